@@ -1,0 +1,1 @@
+"""The CDL compiler: see ARCHITECTURE.md."""

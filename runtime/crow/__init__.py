@@ -1,0 +1,1 @@
+"""The CROW planner: plans with compiled CDL programs and imports nothing of `cdlc`."""
