@@ -1,0 +1,134 @@
+"""What the compiler has to say about its input: one frozen dataclass a kind of problem.
+
+Values are fields and texts are small methods, so a kind reads as one page; its docstring is that
+page for `cdlc explain`. The code is the class name in kebab case and never changes its meaning.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from enum import StrEnum
+from typing import ClassVar
+
+from crow.program import Location
+
+
+class Severity(StrEnum):
+    """How bad it is: errors stop the pipeline, warnings do not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A place and what is to be said about it."""
+
+    location: Location
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Replacement:
+    """New text for a place."""
+
+    location: Location
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Help:
+    """A proposal, with the edit that carries it out where there is one."""
+
+    text: str
+    replacement: Replacement | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnostic:
+    """One problem in the input, at one place."""
+
+    location: Location
+
+    code: ClassVar[str] = ""
+    severity: ClassVar[Severity] = Severity.ERROR
+    kinds: ClassVar[dict[str, type["Diagnostic"]]] = {}
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.code = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__.rstrip("_")).lower()
+        Diagnostic.kinds[cls.code] = cls
+
+    def message(self) -> str:
+        """The problem in one line."""
+        raise NotImplementedError
+
+    def label(self) -> str:
+        """What is wrong at the very place; may be empty."""
+        return ""
+
+    def labels(self) -> tuple[Label, ...]:
+        """Other places that belong to the problem."""
+        return ()
+
+    def notes(self) -> tuple[str, ...]:
+        """Explanations."""
+        return ()
+
+    def help(self) -> tuple[Help, ...]:
+        """Proposals for a cure."""
+        return ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lint(Diagnostic):
+    """A problem that does not stop the pipeline."""
+
+    severity: ClassVar[Severity] = Severity.WARNING
+
+
+# The two bases are no kinds of their own.
+Diagnostic.kinds.clear()
+
+
+@dataclass(slots=True)
+class Collector:
+    """Gathers diagnostics; a problem reported twice at one place is kept once."""
+
+    found: list[Diagnostic] = field(default_factory=list)
+    _seen: set[tuple[str, Location]] = field(default_factory=set)
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        """Keep a diagnostic."""
+        key = (diagnostic.code, diagnostic.location)
+        if key not in self._seen:
+            self._seen.add(key)
+            self.found.append(diagnostic)
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether any of them is an error."""
+        return any(d.severity is Severity.ERROR for d in self.found)
+
+    def sorted(self) -> tuple[Diagnostic, ...]:
+        """All of them in source order."""
+        return tuple(sorted(self.found, key=lambda d: d.location))
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self.sorted())
+
+
+def nearest(name: str, known: list[str]) -> str | None:
+    """The known name most like `name`, ignoring case, or None when none is close."""
+    by_folded = {candidate.lower(): candidate for candidate in reversed(known)}
+    matches = get_close_matches(name.lower(), by_folded, n=1, cutoff=0.7)
+    return by_folded[matches[0]] if matches else None
+
+
+def suggest(name: str, known: list[str], location: Location) -> tuple[Help, ...]:
+    """A "did you mean" for an unknown name, or nothing."""
+    match = nearest(name, known)
+    if match is None:
+        return ()
+    return (Help(f"did you mean `{match}`?", Replacement(location, match)),)

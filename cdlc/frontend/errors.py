@@ -1,0 +1,936 @@
+"""Every message of the frontend. The docstring of a kind is its page in `cdlc explain`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cdlc.diagnostics import Diagnostic, Help, Label, Lint, Replacement, suggest
+from crow.program import Location, Type
+
+# ------------------------------------------------------------------------------------ reading files
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnreadableFile(Diagnostic):
+    """A file that cannot be opened: it is missing, a directory, or not readable.
+
+        cdlc check blokcs.cdl
+
+    Check the name; `include` and `domain` paths are relative to the file they stand in.
+    """
+
+    reason: str
+    wanted_by: Location | None = None
+
+    def message(self) -> str:
+        return f"cannot read `{self.location.file}`: {self.reason}"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.wanted_by is None else (Label(self.wanted_by, "named here"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotText(Diagnostic):
+    """A file that is no UTF-8 text, such as a picture or an archive.
+
+    CDL is UTF-8 text without NUL characters. Save the file as UTF-8, or name another file.
+    """
+
+    reason: str
+
+    def message(self) -> str:
+        return f"not a CDL text: {self.reason}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmptyFile(Diagnostic):
+    """A file without a single definition.
+
+    A domain defines at least a feature; a problem file names itself, its domain and a goal.
+    """
+
+    def message(self) -> str:
+        return "the file defines nothing"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("start with `typedef`, `feature` and `behavior`, or with `problem \"name\"`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineTooLong(Diagnostic):
+    """A line of over a megabyte, which is a damaged or generated file.
+
+    Break the line; brackets may span lines.
+    """
+
+    limit: int
+
+    def message(self) -> str:
+        return f"a line of over {self.limit:,} characters"
+
+
+@dataclass(frozen=True, kw_only=True)
+class IncludeCycle(Diagnostic):
+    """A file that includes itself, directly or through others.
+
+        include "a.cdl"     # in b.cdl, which a.cdl includes
+
+    Move what both need into a third file.
+    """
+
+    chain: Sequence[str]
+
+    def message(self) -> str:
+        return f"files include each other: {' → '.join(self.chain)}"
+
+
+# ------------------------------------------------------------------------------------------- layout
+
+
+@dataclass(frozen=True, kw_only=True)
+class TabInIndentation(Diagnostic):
+    """A tab before the first word of a line.
+
+    Indentation is by spaces, so that a file means the same in every editor. Replace the tab.
+    """
+
+    text: str
+
+    def message(self) -> str:
+        return "tab in indentation"
+
+    def help(self) -> tuple[Help, ...]:
+        spaces = self.text.expandtabs(4)
+        return (Help("indent with spaces", Replacement(self.location, spaces)),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class InconsistentIndentation(Diagnostic):
+    """A line indented less than its block, but like no block around it.
+
+        body:
+            achieve a()
+          achieve b()     # 4 or 0 spaces, not 2
+
+    Align the line with the block it belongs to.
+    """
+
+    levels: Sequence[int]
+
+    def message(self) -> str:
+        return "indentation matches no enclosing block"
+
+    def help(self) -> tuple[Help, ...]:
+        levels = ", ".join(str(level) for level in sorted(set(self.levels)))
+        return (Help(f"the blocks around it are indented by {levels} spaces"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnexpectedIndentation(Diagnostic):
+    """A line indented deeper than the one before it, which opens no block.
+
+        feature f()
+          feature g()
+
+    Remove the indentation, or end the line before with `:`.
+    """
+
+    def message(self) -> str:
+        return "unexpected indentation"
+
+    def label(self) -> str:
+        return "no block is opened before this line"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExpectedBlock(Diagnostic):
+    """A line that ends in `:` without an indented block under it.
+
+        body:
+        eff:
+          f[...] = True
+
+    Indent what belongs to it, or write `pass`.
+    """
+
+    def message(self) -> str:
+        return "expected an indented block"
+
+    def label(self) -> str:
+        return "nothing is indented under this line"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("indent the block, or write `pass` for an empty one"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnclosedBracket(Diagnostic):
+    """A bracket that is never closed; everything after it would belong to it."""
+
+    bracket: str
+    closing: str
+
+    def message(self) -> str:
+        return f"`{self.bracket}` is never closed"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"add the matching `{self.closing}`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnmatchedBracket(Diagnostic):
+    """A closing bracket that fits no open one."""
+
+    bracket: str
+    opened: Location | None
+
+    def message(self) -> str:
+        return f"unmatched `{self.bracket}`"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.opened is None else (Label(self.opened, "this bracket is open"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NestingTooDeep(Diagnostic):
+    """Brackets, blocks or expressions nested beyond what a person writes.
+
+    Name parts of it with `let` or a `def`.
+    """
+
+    limit: int
+
+    def message(self) -> str:
+        return f"nested more than {self.limit:,} deep"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("name parts of it with `let` or a `def`"),)
+
+
+# ------------------------------------------------------------------------------------------- syntax
+
+
+@dataclass(frozen=True, kw_only=True)
+class SyntaxError_(Diagnostic):  # noqa: N801 - `SyntaxError` is a builtin
+    """Text that the grammar does not allow at this place.
+
+        achieve on(x,, y)
+
+    The label says what was expected; the grammar is in docs/reference/grammar.md.
+    """
+
+    found: str
+    expected: str
+    hint: Help | None = None
+
+    def message(self) -> str:
+        return f"unexpected {self.found}"
+
+    def label(self) -> str:
+        return f"expected {self.expected}" if self.expected else ""
+
+    def help(self) -> tuple[Help, ...]:
+        return () if self.hint is None else (self.hint,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingColon(Diagnostic):
+    """A header whose block follows without the `:` that opens it.
+
+        behavior move_away(o: Object, t: Trajectory)
+          goal: not blocking(o, t)
+
+    Add the colon at the end of the line.
+    """
+
+    def message(self) -> str:
+        return "missing `:`"
+
+    def label(self) -> str:
+        return "expected `:`"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("add a colon", Replacement(self.location, ":")),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReservedWord(Diagnostic):
+    """A construct of the authors' implementation that is not part of this language yet.
+
+        symbol p
+
+    The word is reserved, also as a name; the help says what to write instead.
+    """
+
+    word: str
+
+    _INSTEAD = {
+        "symbol": "`bind v: T where: …` introduces a variable with its constraint",
+        "assert_hold": "an `assert` of a behavior with `eff` is held until its next `do`",
+        "assert_once": "write `assert` in a behavior without `eff`",
+        "achieve_hold": "an `achieve` of a behavior with `eff` is held until its next `do`",
+        "pachieve": "write `achieve`",
+        "untrack": "write `achieve_once` for a condition that need not hold any longer",
+        "preamble": "statements before `promotable:` run first",
+        "critical": "statements outside `promotable:` are never interleaved",
+        "mem_query": "`bind o: T where: …` finds an object by a condition",
+        "findall": "`foreach o: T:` with `if` visits all objects with a property",
+        "findone": "`bind o: T where: …` finds one object with a property",
+        "batched": "conditions over many objects are `forall` and `exists`",
+        "heuristic": "planners choose their heuristic with an option",
+        "undirected_generator": "write one `generator` for each direction",
+        "import": "`include \"file.cdl\"` brings in definitions",
+    }
+
+    def message(self) -> str:
+        return f"`{self.word}` is not supported"
+
+    def label(self) -> str:
+        return "reserved word"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(self._INSTEAD[self.word]),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WhileLoop(Diagnostic):
+    """A loop whose length depends on the state.
+
+        while pose[x] > 0:
+          do move_to(x, pose[x] - 1)
+
+    CDL is data-oblivious (Appendix D.1): how long a program is depends on the objects only, so that
+    it can be turned into preconditions and effects. Use `for i in range(n):` with a bound known at
+    compile time, `foreach o: T:` over the objects of a type, or `achieve` the condition the loop is
+    to reach and let behaviors refine it as often as needed.
+    """
+
+    def message(self) -> str:
+        return "`while` is not data-oblivious"
+
+    def label(self) -> str:
+        return "its length depends on the state"
+
+    def help(self) -> tuple[Help, ...]:
+        return (
+            Help("use `for i in range(n):`, `foreach o: T:`, or `achieve` what it is to reach"),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Elision(Diagnostic):
+    """`...` as it stands for omitted text in a paper.
+
+        forall x: Object: g[x, ...] = True
+
+    `f[...]` names the one cell of a feature without arguments; other uses of `...` are no CDL.
+    Write out what it stands for.
+    """
+
+    def message(self) -> str:
+        return "`...` stands for omitted text here"
+
+    def label(self) -> str:
+        return "write the arguments out"
+
+    def notes(self) -> tuple[str, ...]:
+        return ("`f[...]` is only for a feature `f` without arguments",)
+
+
+# -------------------------------------------------------------------------------------------- names
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownName(Diagnostic):
+    """A name that nothing in scope has.
+
+        behavior r(x: block):
+          goal: clear(z)
+
+    Names are case-sensitive. Correct the spelling, or declare the name.
+    """
+
+    name: str
+    known: Sequence[str]
+    what: str = "name"
+
+    def message(self) -> str:
+        return f"unknown {self.what} `{self.name}`"
+
+    def label(self) -> str:
+        return "not defined"
+
+    def help(self) -> tuple[Help, ...]:
+        return suggest(self.name, list(self.known), self.location)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownFeature(UnknownName):
+    """A read, write or call of a feature or function that is not defined.
+
+        achieve claer(x)
+
+    Correct the spelling, or declare it: `feature clear(x: block)`.
+    """
+
+    what: str = "feature or function"
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownType(UnknownName):
+    """A type that is neither built in nor defined by a `typedef`.
+
+        feature on(x: blok)
+
+    Correct the spelling, or declare it: `typedef block: object`.
+    """
+
+    what: str = "type"
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownCommand(UnknownName):
+    """A call of a controller or behavior that is not defined.
+
+        do pick_up(x)
+
+    Correct the spelling, or declare it: `controller pick_up(x: block)`.
+    """
+
+    what: str = "controller or behavior"
+
+
+@dataclass(frozen=True, kw_only=True)
+class DuplicateDefinition(Diagnostic):
+    """Two definitions, objects or constants with one name.
+
+    Types have names of their own; all other definitions, objects and constants share one space.
+    Rename one of them.
+    """
+
+    name: str
+    first: Location
+
+    def message(self) -> str:
+        return f"`{self.name}` is defined twice"
+
+    def label(self) -> str:
+        return "defined again here"
+
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.first, "first defined here"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HidesDefinition(Diagnostic):
+    """A parameter or local with the name of a definition or object.
+
+        feature x()
+        behavior r(x: block):
+
+    Rename the parameter or local.
+    """
+
+    name: str
+    defined: Location | None
+
+    def message(self) -> str:
+        return f"`{self.name}` is already the name of a definition"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.defined is None else (Label(self.defined, "defined here"),)
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("choose another name"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shadowing(Lint):
+    """A `bind` or `let` that takes the name of a parameter or of an earlier local.
+
+        behavior move_away(o: Object, t: Trajectory):
+          body:
+            bind t: Trajectory where: connect(a, b, t)
+
+    From here on the name means the new variable, in its own condition too. Choose another name if
+    that is not meant.
+    """
+
+    name: str
+    first: Location | None
+
+    def message(self) -> str:
+        return f"`{self.name}` shadows an earlier variable"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.first is None else (Label(self.first, "the earlier one"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrongKind(Diagnostic):
+    """A name used as something it is not.
+
+        do clear(x)        # `clear` is a feature
+
+    The help says how such a thing is used.
+    """
+
+    name: str
+    is_a: str
+    wanted: str
+    advice: str
+    defined: Location | None
+
+    def message(self) -> str:
+        return f"`{self.name}` is a {self.is_a}, not a {self.wanted}"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.defined is None else (Label(self.defined, "defined here"),)
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(self.advice),) if self.advice else ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownAnnotation(Lint):
+    """An annotation that no part of the toolchain knows.
+
+        feature [[colour]] f()
+
+    Known are `min`, `max`, `reads`, `max_nested`, `tolerance` and `pddl`. It is kept in the program
+    and has no effect.
+    """
+
+    name: str
+
+    def message(self) -> str:
+        return f"unknown annotation `{self.name}`"
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownPragma(Lint):
+    """A `#!pragma` line; none is known, and the line is read as a comment."""
+
+    def message(self) -> str:
+        return "unknown pragma"
+
+
+# -------------------------------------------------------------------------------------------- types
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrongArgumentCount(Diagnostic):
+    """A call or read with more or fewer arguments than declared.
+
+        feature on(x: block, y: block)
+        achieve on(x)
+    """
+
+    name: str
+    expected: int
+    found: int
+    declared: Location | None
+
+    def message(self) -> str:
+        plural = "" if self.expected == 1 else "s"
+        return f"`{self.name}` takes {self.expected} argument{plural}, not {self.found}"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.declared is None else (Label(self.declared, "declared here"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrongArgumentType(Diagnostic):
+    """An argument whose type is not that of the parameter.
+
+        controller attach(x: Object)
+        do attach(pose)
+    """
+
+    name: str
+    expected: Type
+    found: Type
+    declared: Location | None
+    fitting: str | None = None
+
+    def message(self) -> str:
+        return f"wrong argument type in call of `{self.name}`"
+
+    def label(self) -> str:
+        return f"expected `{self.expected}`, found `{self.found}`"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.declared is None else (Label(self.declared, "declared here"),)
+
+    def help(self) -> tuple[Help, ...]:
+        if self.fitting is None:
+            return ()
+        return (Help(f"did you mean `{self.fitting}`?", Replacement(self.location, self.fitting)),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrongType(Diagnostic):
+    """A value of another type than its place wants.
+
+        on_table[x] = 1          # a feature of type bool
+
+    An int may stand where a float is wanted, never the reverse; a bool is no number; two value
+    typedefs do not convert into each other.
+    """
+
+    expected: str
+    found: Type
+    reason: str = ""
+    declared: Location | None = None
+
+    def message(self) -> str:
+        return f"expected {self.expected}, found `{self.found}`"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.declared is None else (Label(self.declared, "declared here"),)
+
+    def notes(self) -> tuple[str, ...]:
+        return (self.reason,) if self.reason else ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotComparable(Diagnostic):
+    """A comparison of values that have nothing to compare.
+
+        x == 1                   # `x` is an object
+
+    Objects compare by `==` and `!=` when one type is a kind of the other; numbers compare with
+    numbers, and other values with values of their own type.
+    """
+
+    operator: str
+    left: Type
+    right: Type
+
+    def message(self) -> str:
+        return f"`{self.left}` and `{self.right}` do not compare by `{self.operator}`"
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotAnObjectType(Diagnostic):
+    """A quantifier, `foreach` or `objects:` line over a value type.
+
+        forall p: Pose: …
+
+    There are finitely many objects and endlessly many values. Quantify over an object type.
+    """
+
+    type: Type
+
+    def message(self) -> str:
+        return f"`{self.type}` is not an object type"
+
+    def label(self) -> str:
+        return "only objects can be counted through"
+
+
+@dataclass(frozen=True, kw_only=True)
+class TypeCycle(Diagnostic):
+    """A `typedef` that is based on itself.
+
+        typedef a: b
+        typedef b: a
+    """
+
+    chain: Sequence[str]
+
+    def message(self) -> str:
+        return f"type is based on itself: {' → '.join(self.chain)}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class UninferableParameter(Diagnostic):
+    """A parameter without a type that its uses do not decide.
+
+        behavior r(x):
+          eff: pass
+
+    Give the type: `x: block`.
+    """
+
+    name: str
+    candidates: Sequence[str]
+
+    def message(self) -> str:
+        return f"cannot infer the type of `{self.name}`"
+
+    def label(self) -> str:
+        if not self.candidates:
+            return "no use says what it is"
+        return f"its uses want {' and '.join(f'`{c}`' for c in self.candidates)}"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"give its type: `{self.name}: T`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingType(Diagnostic):
+    """A parameter or variable whose type has to be given.
+
+        feature on(x, y: block)
+
+    Only parameters of behaviors and generators are inferred from their use.
+    """
+
+    name: str
+
+    def message(self) -> str:
+        return f"`{self.name}` has no type"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"write `{self.name}: T`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NumberTooLarge(Diagnostic):
+    """A literal outside every width of its kind: int64 holds up to 2**63 - 1."""
+
+    def message(self) -> str:
+        return "number does not fit into 64 bits"
+
+
+# --------------------------------------------------------------------------------------- statements
+
+
+@dataclass(frozen=True, kw_only=True)
+class MisplacedStatement(Diagnostic):
+    """A statement in a section that cannot hold it.
+
+        eff:
+          achieve clear(x)
+
+    Bodies say what to do (`achieve`, `assert`, `do`, `bind`, …), effects what changes (`f[x] = e`),
+    derived functions what the value is (`return e`).
+    """
+
+    statement: str
+    section: str
+    advice: str = ""
+
+    def message(self) -> str:
+        return f"{self.statement} cannot stand in {self.section}"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(self.advice),) if self.advice else ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class MisplacedPromotable(Diagnostic):
+    """A second or nested `promotable:`.
+
+    A body is `<L, M, R>`: what stands before the promotable section, the section, what stands after
+    it. So there is at most one, at the top level of the body.
+    """
+
+    reason: str
+
+    def message(self) -> str:
+        return self.reason
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotPromotable(Diagnostic):
+    """A statement that cannot be interleaved with others.
+
+        promotable:
+          bind y: block where: on(x, y)
+          achieve clear(y)
+
+    A promotable section holds `achieve`, `assert`, calls of behaviors, groups, `foreach` and `if`,
+    and may end in controller calls. Move other statements before or after it.
+    """
+
+    statement: str
+    move: str
+
+    def message(self) -> str:
+        return f"{self.statement} cannot stand in a promotable section"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"move it {self.move} the section"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DuplicateSection(Diagnostic):
+    """Two sections of one kind in a definition: `goal:`, `body:` and `eff:` stand at most once."""
+
+    section: str
+    first: Location
+
+    def message(self) -> str:
+        return f"`{self.section}:` stands twice"
+
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.first, "first here"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MisplacedSection(Diagnostic):
+    """A section that this kind of definition does not have.
+
+        controller c(x: block):
+          goal: holding(x)
+
+    Controllers have `eff:`; behaviors `goal:`, `body:` and `eff:`; generators `goal:`, `in:` and
+    `out:`.
+    """
+
+    section: str
+    owner: str
+    allowed: Sequence[str]
+
+    def message(self) -> str:
+        return f"a {self.owner} has no section `{self.section}:`"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"it may have {', '.join(f'`{s}:`' for s in self.allowed)}"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnsupportedGoal(Diagnostic):
+    """A behavior goal that is not one literal, one value equation or one comparison.
+
+        goal: on(x, y) and clear(x)
+
+    A goal is matched against what is to be achieved: `f(x)`, `not f(x)`, `f(x) == v` or `f(x) < v`,
+    with parameters or constants as arguments. Write one behavior for each part, or a `def` that
+    names the whole.
+    """
+
+    reason: str
+
+    def message(self) -> str:
+        return f"not a goal: {self.reason}"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("a goal is `f(x)`, `not f(x)`, `f(x) == v` or a comparison of a feature"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CallForIndex(Diagnostic):
+    """An assignment to a call instead of to a cell.
+
+        on_table(A) = True
+
+    Reads may be written `f(x)` or `f[x]`; what is assigned is a cell, `f[x]`.
+    """
+
+    cell: str
+
+    def message(self) -> str:
+        return "cannot assign to a call"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"write `{self.cell}`", Replacement(self.location, self.cell)),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotAssignable(Diagnostic):
+    """An assignment to something that is no feature and no local variable.
+
+        x = True                 # `x` is a parameter
+
+    Effects assign features, `f[x] = e`; locals come from `let`.
+    """
+
+    name: str
+    is_a: str
+
+    def message(self) -> str:
+        return f"cannot assign to the {self.is_a} `{self.name}`"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecursiveCall(Diagnostic):
+    """A function or behavior that calls itself, directly or through others.
+
+        def f(x: float32) -> float32:
+          return g(x)
+        def g(x: float32) -> float32:
+          return f(x)
+
+    Without recursion every computation has a bounded depth (Appendix D.3). Behaviors recur through
+    `achieve`.
+    """
+
+    chain: Sequence[str]
+
+    def message(self) -> str:
+        return f"recursive call: {' → '.join(self.chain)}"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("functions cannot recur; behaviors recur through `achieve`"),)
+
+
+# ---------------------------------------------------------------------------------------- problems
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingPart(Diagnostic):
+    """A problem file without one of its parts: its domain or its goal.
+
+        problem "sussman"
+        domain "blocks.cdl"
+        objects: …
+        init: …
+        goal: on(A, B)
+    """
+
+    part: str
+    example: str
+
+    def message(self) -> str:
+        return f"the problem has no {self.part}"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"add `{self.example}`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MisplacedPart(Diagnostic):
+    """A part of a problem in a domain file.
+
+        objects:
+          A, B: block
+
+    Objects, initial values and the goal belong into a file that starts with `problem "name"` and
+    names the domain.
+    """
+
+    part: str
+
+    def message(self) -> str:
+        return f"`{self.part}` belongs in a problem file"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help('start the file with `problem "name"` and `domain "file.cdl"`'),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrongFileKind(Diagnostic):
+    """A problem where a domain is wanted, or a domain where a problem is.
+
+        cdlc plan sussman.cdl blocks.cdl
+
+    `cdlc plan DOMAIN PROBLEM`: a problem file starts with `problem "name"`.
+    """
+
+    is_a: str
+    wanted: str
+
+    def message(self) -> str:
+        return f"this is a {self.is_a} file; a {self.wanted} file is wanted"
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotSupportedYet(Diagnostic):
+    """A construct of the language that this version does not check yet."""
+
+    construct: str
+
+    def message(self) -> str:
+        return f"{self.construct} is not supported yet"
