@@ -926,11 +926,129 @@ class WrongFileKind(Diagnostic):
         return f"this is a {self.is_a} file; a {self.wanted} file is wanted"
 
 
-@dataclass(frozen=True, kw_only=True)
-class NotSupportedYet(Diagnostic):
-    """A construct of the language that this version does not check yet."""
 
-    construct: str
+# ------------------------------------------------------------------------------- data-obliviousness
+
+
+@dataclass(frozen=True, kw_only=True)
+class RangeNotConstant(Diagnostic):
+    """A `range` whose bound is not known at compile time.
+
+        for i in range(count(x)):
+
+    CDL is data-oblivious (Appendix D.1): how often a loop runs cannot depend on the state. Use a
+    number, or `foreach o: T:` to run once for each object.
+    """
 
     def message(self) -> str:
-        return f"{self.construct} is not supported yet"
+        return "the bound of `range` is not known at compile time"
+
+    def label(self) -> str:
+        return "not a whole number"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("use a number, or `foreach o: T:` over objects"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnrollLimit(Diagnostic):
+    """A `for` with more copies than can sensibly be written out.
+
+        for i in range(10**12):
+
+    Loops over a range are unrolled. Use fewer iterations, or arithmetic instead of a loop.
+    """
+
+    copies: int | None
+    limit: int
+
+    def message(self) -> str:
+        if self.copies is None:
+            return "the step of `range` is 0"
+        return f"the loop would be unrolled {self.copies:,} times; the limit is {self.limit:,}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class OuterLocal(Diagnostic):
+    """An assignment, inside `foreach`, to a local from outside.
+
+        let n = 0
+        foreach o: Object:
+          n = n + 1
+
+    The iterations of a `foreach` run in parallel (Appendix D.3), so none sees what another wrote.
+    """
+
+    name: str
+    first: Location | None
+
+    def message(self) -> str:
+        return f"`{self.name}` belongs to the code around the `foreach`"
+
+    def label(self) -> str:
+        return "iterations are parallel and cannot assign it"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.first is None else (Label(self.first, "introduced here"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutsideLoop(Diagnostic):
+    """A `break` or `continue` that belongs to no `for` of its iteration.
+
+        foreach o: Object:
+          break
+
+    They end a `for i in range(n):` or an iteration of it; a `foreach` is parallel and has no end to
+    jump to.
+    """
+
+    word: str
+    in_foreach: bool
+
+    def message(self) -> str:
+        return f"`{self.word}` outside a `for`"
+
+    def label(self) -> str:
+        return "iterations of `foreach` are parallel" if self.in_foreach else ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingReturn(Diagnostic):
+    """A `def` with a way through it that returns nothing.
+
+        def f(x: block) -> bool:
+          if clear(x):
+            return True
+
+    Add an `else`, or a `return` at the end.
+    """
+
+    name: str
+
+    def message(self) -> str:
+        return f"`{self.name}` does not return on every path"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReturnInForeach(Diagnostic):
+    """A `return` in a `foreach`, whose iterations are parallel: which of them would return?
+
+    Use `forall`, `exists`, or a quantity computed without a loop.
+    """
+
+    def message(self) -> str:
+        return "`return` inside `foreach`"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("a property of all objects is `forall o: T: …`, of one `exists o: T: …`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingSection(Diagnostic):
+    """A generator without a goal: what it generates values for is not said."""
+
+    section: str
+
+    def message(self) -> str:
+        return f"there is no `{self.section}:`"

@@ -3,10 +3,8 @@
 Building the tables takes about half a second, reading them back a tenth of that.
 """
 
-import hashlib
 import os
 import sys
-import tempfile
 from collections.abc import Iterator
 from functools import cache
 from importlib import resources
@@ -37,21 +35,10 @@ def grammar_text() -> str:
 @cache
 def parser() -> lark.Lark:
     """The parser, read from the cache or built and put there; an unusable cache is ignored."""
-    text = grammar_text()
-    path = _cache_path(text)
-    if path is not None:
-        try:
-            with path.open("rb") as file:
-                return lark.Lark.load(file, transformer=Builder(), postlex=_KeepTokens())
-        except Exception:  # noqa: BLE001, S110 - any damage to the cache means: build anew
-            pass
-    built = build(text)
-    if path is not None:
-        _store(built, path)
-    return built
+    return build(grammar_text(), cache_file=_cache_file())
 
 
-def build(text: str, *, strict: bool = False) -> lark.Lark:
+def build(text: str, *, cache_file: Path | None = None, strict: bool = False) -> lark.Lark:
     """Build the parser from the grammar's text.
 
     With `strict`, a conflict or an ambiguous terminal raises lark.exceptions.GrammarError.
@@ -65,27 +52,19 @@ def build(text: str, *, strict: bool = False) -> lark.Lark:
         postlex=_KeepTokens(),
         transformer=Builder(),
         strict=strict,
+        cache=str(cache_file) if cache_file else False,
     )
 
 
-def _cache_path(text: str) -> Path | None:
-    """Where the tables of this grammar are kept; None where there is no home for them."""
+def _cache_file() -> Path | None:
+    """Where the tables are kept, in a folder of the user's own since they are read as a pickle.
+
+    None where there is no home to keep them in.
+    """
     root = os.environ.get("XDG_CACHE_HOME")
     try:
-        folder = Path(root) if root else Path.home() / ".cache"
-    except RuntimeError:
+        folder = (Path(root) if root else Path.home() / ".cache") / "cdlc"
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except (OSError, RuntimeError):
         return None
-    version = f"{lark.__version__} {sys.version_info[:2]} {STARTS}"
-    key = hashlib.sha256(f"{version}\n{text}".encode()).hexdigest()[:16]
-    return folder / "cdlc" / f"grammar-{key}.pickle"
-
-
-def _store(built: lark.Lark, path: Path) -> None:
-    """Write the tables whole or not at all; no cache is no error."""
-    try:
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-            built.save(file)
-        Path(file.name).replace(path)
-    except OSError:
-        return
+    return folder / f"grammar-{sys.version_info[0]}{sys.version_info[1]}.pickle"

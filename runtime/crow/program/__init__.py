@@ -39,6 +39,7 @@ from crow.program.expressions import (
     Vector,
     Xor,
 )
+from crow.program.hierarchy import Hierarchy
 from crow.program.location import Location, Node
 from crow.program.statements import (
     Achieve,
@@ -148,6 +149,7 @@ __all__ = [
     "STRING",
     "PYOBJECT",
     "UNKNOWN",
+    "Hierarchy",
     # places and JSON
     "Location",
     "Node",

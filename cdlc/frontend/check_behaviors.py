@@ -1,0 +1,370 @@
+"""Controllers, behaviors, generators and derived functions: their sections put together."""
+
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_expressions import check_condition, check_expression
+from cdlc.frontend.check_statements import Section, check_block, check_sequence
+from cdlc.frontend.scope import Context, Scope
+from crow.program import (
+    UNKNOWN,
+    Achieve,
+    Assert,
+    Behavior,
+    Bind,
+    Call,
+    Commit,
+    Compare,
+    Constant,
+    Controller,
+    Do,
+    Expression,
+    ForEach,
+    ForRange,
+    Function,
+    Generator,
+    Group,
+    If,
+    Let,
+    Not,
+    Object,
+    Parameter,
+    Promotable,
+    Read,
+    Return,
+    Statement,
+    Variable,
+)
+from crow.program.expressions import Apply
+
+_SECTIONS = {
+    "controller": ("eff",),
+    "behavior": ("goal", "body", "eff"),
+    "action": ("goal", "body", "eff"),
+    "generator": ("goal", "in", "out"),
+}
+
+
+def check_controller(node: syntax.Procedure, context: Context) -> Controller:
+    """A controller with its effect, if it carries one."""
+    declared = context.declarations.controllers[node.name.text]
+    sections = _by_name(node, context)
+    return Controller(
+        declared.name,
+        declared.parameters,
+        _effect(sections.get("eff"), _scope_of(declared.parameters), context),
+        annotations=check_annotations(node.annotations, context),
+        location=context.location(node.name.span),
+    )
+
+
+def check_behavior(node: syntax.Procedure, context: Context) -> Behavior:
+    """A behavior as `<L, M, R>` with goal and effect (App. A)."""
+    signature = context.declarations.behaviors[node.name.text]
+    scope = _scope_of(signature.parameters)
+    sections = _by_name(node, context)
+    goal = _goal(sections.get("goal"), scope, context)
+    body = sections.get("body")
+    statements = body.statements if isinstance(body, syntax.Body) else ()
+    left, promotable, right, after = _split(statements, scope, context)
+    return Behavior(
+        node.name.text,
+        signature.parameters,
+        goal,
+        left,
+        promotable,
+        right,
+        _effect(sections.get("eff"), after, context),
+        annotations=check_annotations(node.annotations, context),
+        location=context.location(node.name.span),
+    )
+
+
+def check_generator(node: syntax.Procedure, context: Context) -> Generator | None:
+    """A generator: `in:` and `out:` name parameters of its own."""
+    signature = context.declarations.generators[node.name.text]
+    scope = _scope_of(signature.parameters)
+    sections = _by_name(node, context)
+    goal = _goal(sections.get("goal"), scope, context)
+    names = {"in": (), "out": ()} | {
+        word: _directions(sections.get(word), scope, context) for word in ("in", "out")
+    }
+    if goal is None:
+        location = context.location(node.name.span)
+        context.found.add(errors.MissingSection(location=location, section="goal"))
+        return None
+    return Generator(
+        node.name.text,
+        signature.parameters,
+        goal,
+        names["in"],
+        names["out"],
+        annotations=check_annotations(node.annotations, context),
+        location=context.location(node.name.span),
+    )
+
+
+def check_function(node: syntax.Function, context: Context) -> Function:
+    """A function; a derived one must return on every path."""
+    declared = context.declarations.functions[node.name.text]
+    body = None
+    if node.body is not None:
+        section = Section("function", declared.type)
+        body = check_block(node.body, _scope_of(declared.parameters), section, context)
+        if not _returns(body, context) and not _has_errors(node.body):
+            location = context.location(node.name.span)
+            context.found.add(errors.MissingReturn(location=location, name=declared.name))
+    return Function(
+        declared.name,
+        declared.parameters,
+        declared.type,
+        body,
+        annotations=declared.annotations,
+        location=declared.location,
+    )
+
+
+def _scope_of(parameters: tuple[Parameter, ...]) -> Scope:
+    scope = Scope()
+    for parameter in parameters:
+        scope = scope.add(parameter, "parameter")
+    return scope
+
+
+def _has_errors(statements: tuple[syntax.Statement, ...]) -> bool:
+    return any(isinstance(s, syntax.ErrorStatement) for s in statements)
+
+
+def _returns(statements: tuple[Statement, ...], context: Context) -> bool:
+    """Whether every way through the statements ends in `return`."""
+    returns = False
+    for statement in statements:
+        match statement:
+            case Return():
+                returns = True
+            case If(then=then, otherwise=otherwise):
+                both = [_returns(then, context), _returns(otherwise, context)]
+                returns = returns or all(both)
+            case ForEach(body=body):
+                for inner in body:
+                    _report_return(inner, context)
+            case ForRange(body=body, start=start, stop=stop, step=step):
+                inside = _returns(body, context)
+                returns = returns or (inside and len(range(start, stop, step)) > 0)
+            case _:
+                pass
+    return returns
+
+
+def _report_return(statement: Statement, context: Context) -> None:
+    match statement:
+        case Return(location=location) if location is not None:
+            context.found.add(errors.ReturnInForeach(location=location))
+        case If(then=then, otherwise=otherwise):
+            for inner in (*then, *otherwise):
+                _report_return(inner, context)
+        case ForEach(body=body) | ForRange(body=body):
+            for inner in body:
+                _report_return(inner, context)
+        case _:
+            return
+
+
+# ---------------------------------------------------------------------------------------- sections
+
+
+def _by_name(node: syntax.Procedure, context: Context) -> dict[str, syntax.Section]:
+    """The sections of a definition; a second one and one of another kind are reported."""
+    allowed = _SECTIONS[node.keyword]
+    sections: dict[str, syntax.Section] = {}
+    for section in node.sections:
+        name = _section_name(section)
+        if name is None:
+            continue
+        location = context.location(section.span)
+        if name not in allowed:
+            context.found.add(
+                errors.MisplacedSection(
+                    location=location, section=name, owner=node.keyword, allowed=allowed
+                )
+            )
+        elif name in sections:
+            first = context.location(sections[name].span)
+            context.found.add(
+                errors.DuplicateSection(location=location, section=name, first=first)
+            )
+        else:
+            sections[name] = section
+    return sections
+
+
+def _section_name(section: syntax.Section) -> str | None:
+    match section:
+        case syntax.Goal():
+            return "goal"
+        case syntax.Body():
+            return "body"
+        case syntax.Effect():
+            return "eff"
+        case syntax.Direction(keyword=keyword):
+            return keyword
+        case syntax.ErrorStatement():
+            return None
+
+
+def _effect(
+    section: syntax.Section | None, scope: Scope, context: Context
+) -> tuple[Statement, ...] | None:
+    if not isinstance(section, syntax.Effect):
+        return None
+    return check_block(section.statements, scope, Section("effect"), context)
+
+
+def _directions(
+    section: syntax.Section | None, scope: Scope, context: Context
+) -> tuple[str, ...]:
+    if not isinstance(section, syntax.Direction):
+        return ()
+    for name in section.names:
+        if scope.get(name.text) is None:
+            location = context.location(name.span)
+            context.found.add(
+                errors.UnknownName(
+                    location=location, name=name.text, known=list(scope), what="parameter"
+                )
+            )
+    return tuple(name.text for name in section.names)
+
+
+# -------------------------------------------------------------------------------------------- goal
+
+
+def _goal(section: syntax.Section | None, scope: Scope, context: Context) -> Expression | None:
+    if not isinstance(section, syntax.Goal):
+        return None
+    if section.equals is not None:
+        span = section.condition.span
+        equation = syntax.Comparison(
+            ("==",), (section.condition, section.equals), span=type(span)(span[0], section.span[1])
+        )
+        goal = check_condition(equation, scope, context)
+    else:
+        goal = check_condition(section.condition, scope, context)
+    if goal.type != UNKNOWN and (reason := _why_no_goal(goal)) is not None:
+        location = context.location(section.condition.span)
+        context.found.add(errors.UnsupportedGoal(location=location, reason=reason))
+    return goal
+
+
+def _why_no_goal(goal: Expression) -> str | None:
+    """What keeps an expression from being one literal, value equation or comparison."""
+    match goal:
+        case Not(operand=Read() | Apply() as read):
+            return _why_no_term(read)
+        case Read() | Apply():
+            return _why_no_term(goal)
+        case Compare(left=left, right=right):
+            sides = [s for s in (left, right) if isinstance(s, Read | Apply)]
+            if not sides:
+                return "neither side reads a feature"
+            others = [s for s in (left, right) if s is not sides[0]]
+            return _why_no_term(sides[0]) or _why_no_argument(others[0])
+        case Constant(type=type_) if type_ == UNKNOWN:
+            return None
+        case _:
+            return "more than one literal"
+
+
+def _why_no_term(term: Read | Apply) -> str | None:
+    return next((r for r in map(_why_no_argument, term.arguments) if r is not None), None)
+
+
+def _why_no_argument(argument: Expression) -> str | None:
+    match argument:
+        case Variable() | Object() | Constant():
+            return None
+        case _:
+            return "an argument is neither a parameter nor a constant"
+
+
+# -------------------------------------------------------------------------------------------- body
+
+Split = tuple[tuple[Statement, ...], Promotable | None, tuple[Statement, ...], Scope]
+
+
+def _split(
+    statements: tuple[syntax.Statement, ...], scope: Scope, context: Context
+) -> Split:
+    """A body as L, M and R; without a promotable section everything is R."""
+    section = Section("body")
+    index = next((i for i, s in enumerate(statements) if isinstance(s, syntax.Promotable)), None)
+    if index is None:
+        right, after = check_sequence(statements, scope, section, context)
+        return (), None, right, after
+    marker = statements[index]
+    assert isinstance(marker, syntax.Promotable)
+    left, scope = check_sequence(statements[:index], scope, section, context)
+    # A `bind` or `let` in M is reported below, and still visible, so that it is one mistake.
+    members, scope = check_sequence(marker.body, scope, section, context)
+    right, after = check_sequence(statements[index + 1 :], scope, section, context)
+    members, calls = _trailing_calls(members)
+    for member in members:
+        _check_member(member, context)
+    if marker.order == "alternative":
+        location = context.location(marker.span)
+        reason = "`promotable:` is `unordered` or `sequential`"
+        context.found.add(errors.MisplacedPromotable(location=location, reason=reason))
+    order = "sequential" if marker.order == "sequential" else "unordered"
+    promotable = Promotable(order, members, location=context.location(marker.span))
+    return left, promotable, (*calls, *right), after
+
+
+def _trailing_calls(
+    members: tuple[Statement, ...],
+) -> tuple[tuple[Statement, ...], tuple[Statement, ...]]:
+    """Controller calls that end a promotable section are the beginning of R (semantics.md §2)."""
+    end = len(members)
+    while end > 0 and isinstance(members[end - 1], Do):
+        end -= 1
+    return members[:end], members[end:]
+
+
+def _check_member(member: Statement, context: Context) -> None:
+    match member:
+        case Achieve() | Assert() | Call():
+            return
+        case Group(body=body) | ForEach(body=body):
+            for inner in body:
+                _check_member(inner, context)
+        case If(then=then, otherwise=otherwise):
+            for inner in (*then, *otherwise):
+                _check_member(inner, context)
+        case _:
+            statement, move = _unpromotable(member)
+            assert member.location is not None
+            context.found.add(
+                errors.NotPromotable(location=member.location, statement=statement, move=move)
+            )
+
+
+def _unpromotable(member: Statement) -> tuple[str, str]:
+    match member:
+        case Bind():
+            return "`bind`", "before"
+        case Let():
+            return "`let`", "before"
+        case Commit():
+            return "`commit`", "before or after"
+        case Do():
+            return "a controller call followed by others", "after"
+        case _:
+            return "a loop over a range", "before or after"
+
+
+def check_open_condition(node: syntax.Expression, context: Context) -> Expression:
+    """An expression without locals, such as a problem's goal."""
+    return check_condition(node, Scope(), context)
+
+
+def check_open_value(node: syntax.Expression, context: Context) -> Expression:
+    """A value without locals, such as what a problem minimizes."""
+    return check_expression(node, Scope(), context)

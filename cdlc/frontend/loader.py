@@ -1,0 +1,103 @@
+"""Files to definitions: reading, `include`, and the domain that a problem file names."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cdlc.diagnostics import Collector
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.check_declarations import Sourced
+from cdlc.frontend.parser import parse
+from cdlc.source import SourceFile
+from crow.program import Location
+
+EMPTY_DOMAIN = "__empty__"
+STANDARD_INPUT = "-"
+
+_START = (1, 1, 1, 1)
+
+
+@dataclass(slots=True)
+class Files:
+    """The files of one compilation: `sources` holds every text read, by the name shown for it."""
+
+    found: Collector
+    read_standard_input: Callable[[], bytes]
+    sources: dict[str, SourceFile] = field(default_factory=dict)
+    modules: dict[str, syntax.Module] = field(default_factory=dict)
+
+    def load(self, name: str, wanted_by: Location | None = None) -> syntax.Module | None:
+        """Read and parse a file once; None, with a diagnostic, when it cannot be read."""
+        if name in self.modules:
+            return self.modules[name]
+        source = self._read(name, wanted_by)
+        if source is None:
+            return None
+        self.sources[name] = source
+        before = len(self.found.found)
+        module = parse(source, self.found)
+        if not module.definitions and len(self.found.found) == before:
+            self.found.add(errors.EmptyFile(location=Location(name, *_START)))
+        self.modules[name] = module
+        return module
+
+    def definitions(self, name: str, chain: tuple[str, ...] = ()) -> Iterator[Sourced]:
+        """The definitions of a loaded file, those of its includes in their places."""
+        source = self.sources[name]
+        for node in self.modules[name].definitions:
+            if not isinstance(node, syntax.Include):
+                yield source, node
+                continue
+            path = beside(name, node.path)
+            location = source.location(node.span)
+            if path in (*chain, name):
+                whole = (*chain, name, path)
+                self.found.add(errors.IncludeCycle(location=location, chain=whole))
+            elif self.load(path, location) is not None:
+                yield from self.definitions(path, (*chain, name))
+
+    def _read(self, name: str, wanted_by: Location | None) -> SourceFile | None:
+        location = Location(name, *_START)
+        try:
+            data = self.read_standard_input() if name == STANDARD_INPUT else Path(name).read_bytes()
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            self.found.add(
+                errors.UnreadableFile(location=location, reason=reason, wanted_by=wanted_by)
+            )
+            return None
+        except ValueError:  # a NUL in the name
+            self.found.add(
+                errors.UnreadableFile(
+                    location=location, reason="not a file name", wanted_by=wanted_by
+                )
+            )
+            return None
+        return _decode(name, data, self.found)
+
+
+def _decode(name: str, data: bytes, found: Collector) -> SourceFile | None:
+    if b"\0" in data:
+        line = data.count(b"\n", 0, data.index(b"\0")) + 1
+        location = Location(name, line, 1, line, 1)
+        found.add(errors.NotText(location=location, reason="it contains a NUL character"))
+        return None
+    try:
+        return SourceFile(name, data.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        column = error.start - (data.rfind(b"\n", 0, error.start) + 1) + 1
+        location = Location(name, line, column, line, column + 1)
+        found.add(errors.NotText(location=location, reason="it is not UTF-8"))
+        return None
+
+
+def beside(name: str, path: str) -> str:
+    """A path as written in a file, relative to the folder of that file."""
+    return path if name == STANDARD_INPUT else str(Path(name).parent / path)
+
+
+def title(module: syntax.Module, keyword: str) -> syntax.Title | None:
+    """The `domain "…"` or `problem "…"` line of a file."""
+    titles = (n for n in module.definitions if isinstance(n, syntax.Title))
+    return next((t for t in titles if t.keyword == keyword), None)

@@ -1,0 +1,48 @@
+"""Walking over programs: the parts of a statement or expression, in source order."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import fields
+from functools import cache
+
+from crow.program.expressions import Expression
+from crow.program.location import Node
+from crow.program.statements import Statement
+
+
+@cache
+def _child_fields(cls: type) -> tuple[str, ...]:
+    skipped = ("location", "annotations", "type")
+    return tuple(f.name for f in fields(cls) if f.name not in skipped)
+
+
+def children(node: Node) -> Iterator[Node]:
+    """The nodes directly under a node, in the order of its fields."""
+    for name in _child_fields(type(node)):
+        value = getattr(node, name)
+        if isinstance(value, tuple):
+            yield from (item for item in value if isinstance(item, Node))
+        elif isinstance(value, Node):
+            yield value
+
+
+def subexpressions(expression: Expression) -> Iterator[Expression]:
+    """An expression and every expression within it, outermost first."""
+    pending: list[Node] = [expression]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, Expression):
+            yield node
+        pending.extend(reversed(tuple(children(node))))
+
+
+def statements_within(statements: Iterable[Statement]) -> Iterator[Statement]:
+    """Statements and every statement nested in them, in source order."""
+    for statement in statements:
+        yield statement
+        nested = [child for child in children(statement) if isinstance(child, Statement)]
+        yield from statements_within(nested)
+
+
+def expressions_of(statement: Statement) -> Iterator[Expression]:
+    """The outermost expressions of one statement, without those of nested statements."""
+    return (child for child in children(statement) if isinstance(child, Expression))
