@@ -1,0 +1,113 @@
+"""A planning problem: a program with objects, an initial state and a goal."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+
+from crow.program import (
+    Controller,
+    Expression,
+    Feature,
+    Function,
+    Hierarchy,
+    ObjectType,
+    Parameter,
+    ProblemStatement,
+    Program,
+    Type,
+)
+from crow.program.definitions import Behavior
+
+
+@dataclass(frozen=True)
+class World:
+    """What stays the same in every state: the program and the objects, constants first."""
+
+    program: Program
+    objects: Mapping[str, ObjectType]
+
+    @staticmethod
+    def of(program: Program, objects: tuple[Parameter, ...] = ()) -> "World":
+        """The world of a program with the objects of one problem."""
+        declared = (*program.constants, *objects)
+        return World(
+            program, {o.name: o.type for o in declared if isinstance(o.type, ObjectType)}
+        )
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """The object types as a tree."""
+        return Hierarchy.of(self.program.types)
+
+    @cached_property
+    def features(self) -> Mapping[str, Feature]:
+        """Features by name."""
+        return {f.name: f for f in self.program.features}
+
+    @cached_property
+    def functions(self) -> Mapping[str, Function]:
+        """Functions by name."""
+        return {f.name: f for f in self.program.functions}
+
+    @cached_property
+    def controllers(self) -> Mapping[str, Controller]:
+        """Controllers by name."""
+        return {c.name: c for c in self.program.controllers}
+
+    @cached_property
+    def behaviors(self) -> Mapping[str, Behavior]:
+        """Behaviors by name."""
+        return {b.name: b for b in self.program.behaviors}
+
+    def objects_of(self, type_: Type) -> tuple[str, ...]:
+        """The objects of a type and its subtypes, in order of declaration."""
+        is_subtype = self.hierarchy.is_subtype
+        return tuple(name for name, own in self.objects.items() if is_subtype(own, type_))
+
+    def is_of(self, name: object, type_: Type) -> bool:
+        """Whether an object of that name exists and is of the type."""
+        own = self.objects.get(name) if isinstance(name, str) else None
+        return own is not None and self.hierarchy.is_subtype(own, type_)
+
+    def cells(self, feature: Feature) -> product[tuple[str, ...]]:
+        """Every tuple of objects that a feature has a value for, in order of declaration."""
+        return product(*(self.objects_of(p.type) for p in feature.parameters))
+
+
+Cell = tuple[str, tuple[str, ...]]
+"""A feature with the names of its arguments."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """The value of each cell that differs from its default; never changed in place."""
+
+    cells: Mapping[Cell, object] = field(default_factory=dict)
+
+    def updated(self, changes: Mapping[Cell, object]) -> "State":
+        """The state after some cells changed."""
+        return State({**self.cells, **changes})
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Objects, initial state and goal (§2); `minimize` is the cost of the final state, if any."""
+
+    name: str
+    world: World
+    initial: State
+    goal: Expression
+    minimize: Expression | None = None
+
+    @staticmethod
+    def of(program: Program, statement: ProblemStatement) -> "Problem":
+        """The problem that a problem file states.
+
+        Raises crow.evaluate.EvaluationError when its `init` cannot be computed.
+        """
+        from crow.evaluate import execute
+
+        world = World.of(program, statement.objects)
+        initial = execute(world, State(), statement.init, {})
+        return Problem(statement.name, world, initial, statement.goal, statement.minimize)

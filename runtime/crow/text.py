@@ -1,0 +1,85 @@
+"""Expressions as CDL writes them, for messages; parentheses only where precedence asks for them."""
+
+from crow.program import (
+    And,
+    Apply,
+    Arithmetic,
+    Builtin,
+    Compare,
+    Conditional,
+    Constant,
+    Expression,
+    Negative,
+    Not,
+    Object,
+    Or,
+    Parameter,
+    Quantified,
+    Read,
+    Variable,
+    Vector,
+    Xor,
+)
+from crow.values import shown
+
+_CONDITIONAL, _OR, _AND, _NOT, _COMPARE, _XOR, _SUM, _PRODUCT, _UNARY, _POWER, _ATOM = range(11)
+_ARITHMETIC = {
+    "+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT, "//": _PRODUCT, "%": _PRODUCT, "**": _POWER,
+}  # fmt: skip
+
+
+def expression_text(node: Expression) -> str:
+    """The expression in CDL."""
+    return _text(node)[0]
+
+
+def variables_text(variables: tuple[Parameter, ...]) -> str:
+    """`x: block, y: block`."""
+    return ", ".join(f"{v.name}: {v.type}" for v in variables)
+
+
+def _at(node: Expression, level: int) -> str:
+    """The text of an operand, in parentheses if it binds weaker than `level`."""
+    text, own = _text(node)
+    return text if own >= level else f"({text})"
+
+
+def _list(nodes: tuple[Expression, ...]) -> str:
+    return ", ".join(expression_text(node) for node in nodes)
+
+
+def _text(node: Expression) -> tuple[str, int]:
+    match node:
+        case Constant(value=value, type=type_):
+            return shown(value, type_), _ATOM
+        case Variable(name=name) | Object(name=name):
+            return name, _ATOM
+        case Read(feature=name, arguments=arguments) | Apply(function=name, arguments=arguments):
+            return f"{name}({_list(arguments)})", _ATOM
+        case Builtin(function=function, arguments=arguments):
+            return f"{function}({_list(arguments)})", _ATOM
+        case Vector(elements=elements):
+            return f"[{_list(elements)}]", _ATOM
+        case Not(operand=operand):
+            return f"not {_at(operand, _NOT)}", _NOT
+        case And(operands=operands):
+            return " and ".join(_at(o, _NOT) for o in operands), _AND
+        case Or(operands=operands):
+            return " or ".join(_at(o, _AND) for o in operands), _OR
+        case Xor(left=left, right=right):
+            return f"{_at(left, _XOR)} ^ {_at(right, _SUM)}", _XOR
+        case Compare(operator=op, left=left, right=right):
+            return f"{_at(left, _XOR)} {op} {_at(right, _XOR)}", _COMPARE
+        case Negative(operand=operand):
+            return f"-{_at(operand, _UNARY)}", _UNARY
+        case Arithmetic(operator=op, left=left, right=right):
+            level = _ARITHMETIC[op]
+            sides = (level + 1, level - 1) if op == "**" else (level, level + 1)
+            return f"{_at(left, sides[0])} {op} {_at(right, sides[1])}", level
+        case Conditional(condition=condition, then=then, otherwise=otherwise):
+            parts = _at(then, _OR), _at(condition, _OR), _at(otherwise, _CONDITIONAL)
+            return "{} if {} else {}".format(*parts), _CONDITIONAL
+        case Quantified(quantifier=quantifier, variables=variables, body=body):
+            text = f"{quantifier} {variables_text(variables)}: {expression_text(body)}"
+            # It takes everything to its right, so it is safe as an operand in parentheses only.
+            return text, -1
