@@ -197,10 +197,9 @@ def create(venv: Path) -> None:
     import venv as venv_module
 
     clear(venv)
-    try:  # in this process, which may be running from the very files that `clear` deletes
-        venv_module.EnvBuilder(symlinks=os.name != "nt", with_pip=True).create(venv)
-    except subprocess.CalledProcessError as error:
-        raise SetupError(f"cannot make {venv}: {error}\n{error.output.decode()}") from error
+    # In this process, which may be running from the very files that were just deleted.
+    venv_module.create(venv, symlinks=os.name != "nt")
+    quietly([python_of(venv), "-I", "-m", "ensurepip", "--default-pip"])
 
 
 def clear(venv: Path) -> None:
