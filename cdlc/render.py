@@ -5,9 +5,10 @@ import sys
 from collections.abc import Iterable, Mapping
 from typing import Any, TextIO
 
+from crow.program import Location
+
 from cdlc.diagnostics import Diagnostic, Help, Label, Severity
 from cdlc.source import SourceFile
-from crow.program import Location
 
 _STYLES = {
     "error": "\x1b[1;31m",
@@ -74,7 +75,7 @@ def _help(help_: Help) -> dict[str, Any]:
 
 
 class _Painter:
-    def __init__(self, sources: Mapping[str, SourceFile], color: bool) -> None:  # noqa: FBT001
+    def __init__(self, sources: Mapping[str, SourceFile], color: bool) -> None:
         self.sources = sources
         self.color = color
 
@@ -107,7 +108,11 @@ class _Painter:
             lines.append(f"{arrow} {location}")
         source = self.sources.get(location.file)
         if source is None:
-            return lines if first and not label.text else [*lines, f"{' ' * margin} {bar} {label.text}"]
+            return (
+                lines
+                if first and not label.text
+                else [*lines, f"{' ' * margin} {bar} {label.text}"]
+            )
         lines.append(f"{' ' * margin} {bar}")
         text, offset = _window(source.line(location.line), location)
         number = self._paint(f"{location.line:>{margin}}", "place")

@@ -18,14 +18,14 @@ def token_span(token: Token) -> Span:
 
 def _span(first: Any, last: Any = None) -> Span:
     last = first if last is None else last
-    start = first.start_pos if isinstance(first, Token) else first.span.start
-    end = last.start_pos + len(last) if isinstance(last, Token) else last.span.end
-    return Span(start, end)
+    start = token_span(first) if isinstance(first, Token) else first.span
+    end = token_span(last) if isinstance(last, Token) else last.span
+    return Span(start.start, end.end)
 
 
 def _string(token: Token) -> str:
     try:
-        return cast(str, ast.literal_eval(str(token)))
+        return cast("str", ast.literal_eval(str(token)))
     except (SyntaxError, ValueError):  # an escape Python does not know: take it as it stands
         return str(token)[1:-1]
 
@@ -47,7 +47,9 @@ class Builder(Transformer[Token, Any]):
     def named_type(self, name: syntax.Name) -> syntax.Type:
         return syntax.NamedType(name.text, span=name.span)
 
-    def vector_type(self, name: syntax.Name, element: syntax.Type, n: Token | None = None) -> syntax.Type:
+    def vector_type(
+        self, name: syntax.Name, element: syntax.Type, n: Token | None = None
+    ) -> syntax.Type:
         length = None if n is None else int(n)
         return syntax.VectorType(name, element, length, span=_span(name, n or element))
 
@@ -114,7 +116,11 @@ class Builder(Transformer[Token, Any]):
         return syntax.Ellipsis_(span=token_span(token))
 
     def call(
-        self, name: syntax.Name, _open: Token, arguments: tuple[syntax.Expression, ...], close: Token
+        self,
+        name: syntax.Name,
+        _open: Token,
+        arguments: tuple[syntax.Expression, ...],
+        close: Token,
     ) -> syntax.Call:
         return syntax.Call(name, arguments, False, span=_span(name, close))  # noqa: FBT003
 
@@ -150,7 +156,7 @@ class Builder(Transformer[Token, Any]):
     def binary(
         self, left: syntax.Expression, operator: Token, right: syntax.Expression
     ) -> syntax.Expression:
-        return syntax.Binary(cast(Any, str(operator)), left, right, span=_span(left, right))
+        return syntax.Binary(cast("Any", str(operator)), left, right, span=_span(left, right))
 
     def comparison_operator(self, token: Token) -> str:
         return str(token)
@@ -170,7 +176,7 @@ class Builder(Transformer[Token, Any]):
         where: syntax.Expression | None,
         body: syntax.Expression,
     ) -> syntax.Expression:
-        kind = cast(Any, str(word))
+        kind = cast("Any", str(word))
         return syntax.Quantified(kind, variables, where, body, span=_span(word, body))
 
     def error(self, token: Token) -> syntax.ErrorStatement:
@@ -192,20 +198,22 @@ class Builder(Transformer[Token, Any]):
     def suite(self, *parts: Any) -> tuple[syntax.Statement, ...]:
         return tuple(s for part in parts for s in (part if isinstance(part, tuple) else (part,)))
 
-    def simple_statements(self, *statements: syntax.Statement) -> tuple[syntax.Statement, ...]:
+    def simple_statements(
+        self, *statements: syntax.Statement | None
+    ) -> tuple[syntax.Statement, ...]:
         return tuple(s for s in statements if s is not None)
 
     def statement(self, *parts: Any) -> tuple[syntax.Statement, ...]:
         if len(parts) == 1:
-            return cast(tuple[syntax.Statement, ...], parts[0])
+            return cast("tuple[syntax.Statement, ...]", parts[0])
         return (self.simple_statement(*parts),)
 
     def simple_statement(
         self, annotations: tuple[syntax.Annotation, ...], statement: Any
     ) -> syntax.Statement:
         if not annotations:
-            return cast(syntax.Statement, statement)
-        return cast(syntax.Statement, _annotate(statement, annotations))
+            return cast("syntax.Statement", statement)
+        return cast("syntax.Statement", _annotate(statement, annotations))
 
     def let(
         self, word: Token, name: syntax.Name, type_: syntax.Type | None, value: syntax.Expression
@@ -271,7 +279,7 @@ class Builder(Transformer[Token, Any]):
         return _expression(condition)
 
     def commit(self, word: Token) -> syntax.Statement:
-        return syntax.Word(cast(Any, str(word)), span=token_span(word))
+        return syntax.Word(cast("Any", str(word)), span=token_span(word))
 
     break_ = continue_ = pass_ = commit
 
@@ -282,12 +290,12 @@ class Builder(Transformer[Token, Any]):
         return token
 
     def group(self, order: Token, body: tuple[syntax.Statement, ...]) -> syntax.Statement:
-        return syntax.Group(cast(Any, str(order)), body, span=token_span(order))
+        return syntax.Group(cast("Any", str(order)), body, span=token_span(order))
 
     def promotable(
         self, word: Token, order: Token | None, body: tuple[syntax.Statement, ...]
     ) -> syntax.Statement:
-        kind = None if order is None else cast(Any, str(order))
+        kind = None if order is None else cast("Any", str(order))
         return syntax.Promotable(kind, body, span=_span(word, order))
 
     def foreach(self, word: Token, *parts: Any) -> syntax.Statement:
@@ -308,14 +316,16 @@ class Builder(Transformer[Token, Any]):
     def elif_(self, condition: syntax.Expression, body: Any) -> Any:
         return (condition, body)
 
-    def if_(self, word: Token, condition: syntax.Expression, body: Any, *rest: Any) -> syntax.Statement:
+    def if_(
+        self, word: Token, condition: syntax.Expression, body: Any, *rest: Any
+    ) -> syntax.Statement:
         branches = ((condition, body), *rest[:-1])
         return syntax.If(branches, rest[-1], span=_span(word, condition))
 
     # definitions
 
     def title(self, word: Token, text: Token) -> syntax.Definition:
-        return syntax.Title(cast(Any, str(word)), _string(text), span=_span(word, text))
+        return syntax.Title(cast("Any", str(word)), _string(text), span=_span(word, text))
 
     def include(self, word: Token, path: Token) -> syntax.Definition:
         return syntax.Include(_string(path), span=_span(word, path))
@@ -323,7 +333,9 @@ class Builder(Transformer[Token, Any]):
     def typedef(
         self, word: Token, annotations: Any, name: syntax.Name, base: syntax.Type | None
     ) -> syntax.Definition:
-        return syntax.TypeDefinition(name, base, annotations=annotations, span=_span(word, base or name))
+        return syntax.TypeDefinition(
+            name, base, annotations=annotations, span=_span(word, base or name)
+        )
 
     def object_constant(self, word: Token, annotations: Any, *rest: Any) -> syntax.Definition:
         span = _span(word, rest[-1])
@@ -345,8 +357,10 @@ class Builder(Transformer[Token, Any]):
     def procedure(
         self, word: Token, annotations: Any, name: syntax.Name, parameters: Any, sections: Any = ()
     ) -> syntax.Definition:
-        keyword, span = cast(Any, str(word)), _span(word, name)
-        return syntax.Procedure(keyword, name, parameters, sections, annotations=annotations, span=span)
+        keyword, span = cast("Any", str(word)), _span(word, name)
+        return syntax.Procedure(
+            keyword, name, parameters, sections, annotations=annotations, span=span
+        )
 
     controller = behavior = generator = procedure
 
@@ -368,7 +382,7 @@ class Builder(Transformer[Token, Any]):
         return syntax.Effect(statements, span=token_span(word))
 
     def inputs(self, word: Token, names: tuple[syntax.Name, ...] | None) -> syntax.Section:
-        return syntax.Direction(cast(Any, str(word)), names or (), span=token_span(word))
+        return syntax.Direction(cast("Any", str(word)), names or (), span=token_span(word))
 
     outputs = inputs
 
@@ -377,7 +391,9 @@ class Builder(Transformer[Token, Any]):
     def objects(self, word: Token, *lines: Any) -> syntax.Definition:
         return syntax.Objects(lines, span=token_span(word))
 
-    def objects_line(self, names: tuple[syntax.Name, ...], type_: syntax.Type) -> syntax.ObjectsLine:
+    def objects_line(
+        self, names: tuple[syntax.Name, ...], type_: syntax.Type
+    ) -> syntax.ObjectsLine:
         return syntax.ObjectsLine(names, type_, span=_span(names[0], type_))
 
     def init(self, word: Token, statements: tuple[syntax.Statement, ...]) -> syntax.Definition:
@@ -393,10 +409,12 @@ class Builder(Transformer[Token, Any]):
 def _expression(node: Any) -> syntax.Expression:
     if isinstance(node, syntax.ErrorStatement):
         return syntax.ErrorExpression(span=node.span)
-    return cast(syntax.Expression, node)
+    return cast("syntax.Expression", node)
 
 
-def _connective(operator: Any, left: syntax.Expression, right: syntax.Expression) -> syntax.Expression:
+def _connective(
+    operator: Any, left: syntax.Expression, right: syntax.Expression
+) -> syntax.Expression:
     span = _span(left, right)
     if isinstance(left, syntax.Connective) and left.operator == operator:
         return syntax.Connective(operator, (*left.operands, right), span=span)

@@ -1,7 +1,10 @@
 """From syntax to a checked program and problem: the last stage of the frontend."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+
+from crow.program import ProblemStatement, Program, Statement
+from crow.program.types import is_number
 
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, syntax
@@ -24,8 +27,6 @@ from cdlc.frontend.check_statements import Section, check_block
 from cdlc.frontend.cycles import report_recursion
 from cdlc.frontend.scope import Context, Declarations, Scope
 from cdlc.source import SourceFile
-from crow.program import ProblemStatement, Program, Statement
-from crow.program.types import is_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +143,7 @@ def check_problem(
     return CheckedProblem(checked, problem)
 
 
-def _report_repeated(parts: list[syntax.Definition], context: Context) -> None:
+def _report_repeated(parts: Sequence[syntax.Definition], context: Context) -> None:
     for kind, section in ((syntax.Goal, "goal"), (syntax.Minimize, "minimize")):
         same = [part for part in parts if isinstance(part, kind)]
         for other in same[1:]:

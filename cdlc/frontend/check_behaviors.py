@@ -1,10 +1,7 @@
 """Controllers, behaviors, generators and derived functions: their sections put together."""
 
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_expressions import check_condition, check_expression
-from cdlc.frontend.check_statements import Section, check_block, check_sequence
-from cdlc.frontend.scope import Context, Scope
+from typing import Literal
+
 from crow.program import (
     UNKNOWN,
     Achieve,
@@ -35,6 +32,12 @@ from crow.program import (
     Variable,
 )
 from crow.program.expressions import Apply
+
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_expressions import check_condition, check_expression
+from cdlc.frontend.check_statements import Section, check_block, check_sequence
+from cdlc.frontend.scope import Context, Scope
 
 _SECTIONS = {
     "controller": ("eff",),
@@ -189,9 +192,7 @@ def _by_name(node: syntax.Procedure, context: Context) -> dict[str, syntax.Secti
             )
         elif name in sections:
             first = context.location(sections[name].span)
-            context.found.add(
-                errors.DuplicateSection(location=location, section=name, first=first)
-            )
+            context.found.add(errors.DuplicateSection(location=location, section=name, first=first))
         else:
             sections[name] = section
     return sections
@@ -219,9 +220,7 @@ def _effect(
     return check_block(section.statements, scope, Section("effect"), context)
 
 
-def _directions(
-    section: syntax.Section | None, scope: Scope, context: Context
-) -> tuple[str, ...]:
+def _directions(section: syntax.Section | None, scope: Scope, context: Context) -> tuple[str, ...]:
     if not isinstance(section, syntax.Direction):
         return ()
     for name in section.names:
@@ -291,9 +290,7 @@ def _why_no_argument(argument: Expression) -> str | None:
 Split = tuple[tuple[Statement, ...], Promotable | None, tuple[Statement, ...], Scope]
 
 
-def _split(
-    statements: tuple[syntax.Statement, ...], scope: Scope, context: Context
-) -> Split:
+def _split(statements: tuple[syntax.Statement, ...], scope: Scope, context: Context) -> Split:
     """A body as L, M and R; without a promotable section everything is R."""
     section = Section("body")
     index = next((i for i, s in enumerate(statements) if isinstance(s, syntax.Promotable)), None)
@@ -313,7 +310,9 @@ def _split(
         location = context.location(marker.span)
         reason = "`promotable:` is `unordered` or `sequential`"
         context.found.add(errors.MisplacedPromotable(location=location, reason=reason))
-    order = "sequential" if marker.order == "sequential" else "unordered"
+    order: Literal["sequential", "unordered"] = "unordered"
+    if marker.order == "sequential":
+        order = "sequential"
     promotable = Promotable(order, members, location=context.location(marker.span))
     return left, promotable, (*calls, *right), after
 

@@ -3,19 +3,12 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from cdlc.diagnostics import Collector
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_types import check_parameters, resolve_type
-from cdlc.frontend.scope import BUILTIN_FUNCTIONS, Context, Declarations, Signature
-from cdlc.source import SourceFile
 from crow.program import (
     BOOL,
     OBJECT,
     Controller,
     Feature,
     Function,
-    Location,
     NamedType,
     Object,
     ObjectConstant,
@@ -25,6 +18,13 @@ from crow.program import (
     TypeDefinition,
     UnknownType,
 )
+
+from cdlc.diagnostics import Collector
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_types import check_parameters, resolve_type
+from cdlc.frontend.scope import BUILTIN_FUNCTIONS, Context, Declarations, Signature
+from cdlc.source import SourceFile
 
 Sourced = tuple[SourceFile, syntax.Definition]
 
@@ -73,13 +73,13 @@ def _declare_types(listed: list[Sourced], declared: Declarations, found: Collect
     for source, node in listed:
         if isinstance(node, syntax.TypeDefinition):
             context = Context(source, declared, found)
-            if _claim_type(node.name, pending, context):
+            if _claim_type(node.name, context):
                 pending[node.name.text] = (context, node)
     for name in pending:
         _resolve(name, pending, (), declared)
 
 
-def _claim_type(name: syntax.Name, pending: object, context: Context) -> bool:
+def _claim_type(name: syntax.Name, context: Context) -> bool:
     declared = context.declarations
     location = context.location(name.span)
     if name.text in declared.types and name.text not in declared.type_places:
@@ -233,9 +233,7 @@ def constants(declared: Declarations) -> tuple[ObjectConstant, ...]:
     )
 
 
-def objects_of(
-    node: syntax.Objects, context: Context
-) -> Iterator[Parameter]:
+def objects_of(node: syntax.Objects, context: Context) -> Iterator[Parameter]:
     """Declare the objects of a problem file and yield them."""
     for line in node.lines:
         if isinstance(line, syntax.ErrorStatement):
@@ -244,8 +242,3 @@ def objects_of(
         for name in line.names:
             if declare_object(name, type_, context):
                 yield Parameter(name.text, type_, location=context.location(name.span))
-
-
-def place(declared: Declarations, name: str) -> Location | None:
-    """Where a name is declared."""
-    return declared.places.get(name)

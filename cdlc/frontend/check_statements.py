@@ -4,18 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, cast
 
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_expressions import (
-    check_arguments,
-    check_call,
-    check_condition,
-    check_expression,
-    check_value,
-)
-from cdlc.frontend.check_types import check_not_hiding, check_variables, resolve_type
-from cdlc.frontend.ranges import check_range
-from cdlc.frontend.scope import Context, LocalKind, Scope, is_condition
 from crow.program import (
     INT64,
     UNKNOWN,
@@ -45,6 +33,19 @@ from crow.program import (
     Variable,
 )
 from crow.program.types import is_number
+
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_expressions import (
+    check_arguments,
+    check_call,
+    check_condition,
+    check_expression,
+    check_value,
+)
+from cdlc.frontend.check_types import check_not_hiding, check_variables, resolve_type
+from cdlc.frontend.ranges import check_range
+from cdlc.frontend.scope import Context, LocalKind, Scope, is_condition
 
 SectionKind = Literal["body", "effect", "function", "init"]
 
@@ -141,7 +142,7 @@ def _check_plain(
             raise AssertionError(node)
 
 
-# ------------------------------------------------------------------------------- what may stand where
+# ---------------------------------------------------------------------------- what may stand where
 
 _EVERYWHERE: tuple[SectionKind, ...] = ("body", "effect", "function", "init")
 _DOING = "effects and functions only compute; move it into `body:`"
@@ -253,14 +254,13 @@ def _bind_equal(
     value = check_expression(node.condition, after, context, variables[-1].type)
     if is_condition(value.type) and not is_condition(variables[-1].type):
         return Bind(variables, value, location=location), after
-    return _bind_to_value(node, variables, value, after, context), after
+    return _bind_to_value(node, variables, value, context), after
 
 
 def _bind_to_value(
     node: syntax.Bind,
     variables: tuple[Parameter, ...],
     value: Expression,
-    after: Scope,
     context: Context,
 ) -> Statement:
     location = context.location(node.span)
@@ -296,7 +296,7 @@ def _untyped_bind(node: syntax.Bind, scope: Scope, context: Context) -> Checked:
     value = check_expression(node.condition, after, context)
     if is_condition(value.type) and not is_condition(type_):
         return Bind((variable,), value, location=context.location(node.span)), after
-    return _bind_to_value(node, (variable,), value, after, context), after
+    return _bind_to_value(node, (variable,), value, context), after
 
 
 def _type_in_call(name: str, node: syntax.Expression | None, context: Context) -> Type | None:
@@ -309,7 +309,9 @@ def _type_in_call(name: str, node: syntax.Expression | None, context: Context) -
             for parameter, argument in zip(function.parameters, arguments, strict=False):
                 if isinstance(argument, syntax.NameExpression) and argument.name == name:
                     return parameter.type
-    return None
+            return None
+        case _:
+            return None
 
 
 # ------------------------------------------------------------------------------------------ calls
@@ -320,7 +322,7 @@ def _call(node: syntax.CallStatement, scope: Scope, context: Context) -> Stateme
     location = context.location(node.span)
     target = declared.controllers.get(name) or declared.behaviors.get(name)
     if target is None:
-        _report_no_command(node, scope, context)
+        _report_no_command(node, context)
         return None
     arguments = check_arguments(
         name,
@@ -336,7 +338,7 @@ def _call(node: syntax.CallStatement, scope: Scope, context: Context) -> Stateme
     return Call(name, arguments, location=location)
 
 
-def _report_no_command(node: syntax.CallStatement, scope: Scope, context: Context) -> None:
+def _report_no_command(node: syntax.CallStatement, context: Context) -> None:
     name, declared = node.call.name.text, context.declarations
     location = context.location(node.call.name.span)
     kind = declared.kind(name)
@@ -455,7 +457,7 @@ def _set_local(
     type_ = local.variable.type
     value = check_value(node.value, type_, scope, context, local.variable)
     if node.operator != "=":
-        operator = cast(Literal["+", "-", "*", "/"], node.operator[0])
+        operator = cast("Literal['+', '-', '*', '/']", node.operator[0])
         variable = Variable(name, type_, location=context.location(node.target.span))
         value = Arithmetic(operator, variable, value, type_, location=location)
     return SetLocal(name, value, location=location)
@@ -482,9 +484,7 @@ def _word(node: syntax.Word, scope: Scope, context: Context) -> Statement | None
     return _WORDS[node.word](location=location)
 
 
-def _foreach(
-    node: syntax.ForEach, scope: Scope, section: Section, context: Context
-) -> Statement:
+def _foreach(node: syntax.ForEach, scope: Scope, section: Section, context: Context) -> Statement:
     variables = check_variables(node.variables, context, only_objects=True)
     inner = _introduce(variables, "loop", scope.inside_foreach(), context)
     body = check_block(node.body, inner, section, context)

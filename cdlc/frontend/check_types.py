@@ -1,7 +1,5 @@
 """Types as written to types of the program, and lists of typed names to parameters."""
 
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.scope import Context
 from crow.program import (
     UNKNOWN,
     ListType,
@@ -11,6 +9,9 @@ from crow.program import (
     UnknownType,
     VectorType,
 )
+
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.scope import Context
 
 
 def resolve_type(written: syntax.Type, context: Context) -> Type:
@@ -85,9 +86,7 @@ def _parameter(
     for other in earlier:
         if other.name == name.text and other.location is not None:
             context.found.add(
-                errors.DuplicateDefinition(
-                    location=location, name=name.text, first=other.location
-                )
+                errors.DuplicateDefinition(location=location, name=name.text, first=other.location)
             )
     check_not_hiding(name, context)
     return Parameter(name.text, type_, location=location)

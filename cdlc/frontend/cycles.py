@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 
-from cdlc.diagnostics import Collector
-from cdlc.frontend import errors
 from crow.program import Apply, Behavior, Call, Expression, Location, Program, Statement
 from crow.program.walk import expressions_of, statements_within, subexpressions
+
+from cdlc.diagnostics import Collector
+from cdlc.frontend import errors
 
 
 def report_recursion(program: Program, found: Collector) -> None:
@@ -14,9 +15,8 @@ def report_recursion(program: Program, found: Collector) -> None:
     behaviors = {
         b.name: tuple(_behaviors_in((*b.left, *_members(b), *b.right))) for b in program.behaviors
     }
-    places: dict[str, Location | None] = {
-        d.name: d.location for d in (*program.functions, *program.behaviors)
-    }
+    places: dict[str, Location | None] = {f.name: f.location for f in program.functions}
+    places |= {b.name: b.location for b in program.behaviors}
     for calls in (functions, behaviors):
         for chain in _cycles(calls):
             location = places[chain[0]]

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cdlc.diagnostics import Diagnostic, Help, Label, Lint, Replacement, suggest
 from crow.program import Location, Type
+
+from cdlc.diagnostics import Diagnostic, Help, Label, Lint, Replacement, suggest
 
 # ------------------------------------------------------------------------------------ reading files
 
@@ -52,7 +53,7 @@ class EmptyFile(Diagnostic):
         return "the file defines nothing"
 
     def help(self) -> tuple[Help, ...]:
-        return (Help("start with `typedef`, `feature` and `behavior`, or with `problem \"name\"`"),)
+        return (Help('start with `typedef`, `feature` and `behavior`, or with `problem "name"`'),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -252,6 +253,25 @@ class MissingColon(Diagnostic):
         return (Help("add a colon", Replacement(self.location, ":")),)
 
 
+_INSTEAD_OF_RESERVED = {
+    "symbol": "`bind v: T where: …` introduces a variable with its constraint",
+    "assert_hold": "an `assert` of a behavior with `eff` is held until its next `do`",
+    "assert_once": "write `assert` in a behavior without `eff`",
+    "achieve_hold": "an `achieve` of a behavior with `eff` is held until its next `do`",
+    "pachieve": "write `achieve`",
+    "untrack": "write `achieve_once` for a condition that need not hold any longer",
+    "preamble": "statements before `promotable:` run first",
+    "critical": "statements outside `promotable:` are never interleaved",
+    "mem_query": "`bind o: T where: …` finds an object by a condition",
+    "findall": "`foreach o: T:` with `if` visits all objects with a property",
+    "findone": "`bind o: T where: …` finds one object with a property",
+    "batched": "conditions over many objects are `forall` and `exists`",
+    "heuristic": "planners choose their heuristic with an option",
+    "undirected_generator": "write one `generator` for each direction",
+    "import": '`include "file.cdl"` brings in definitions',
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReservedWord(Diagnostic):
     """A construct of the authors' implementation that is not part of this language yet.
@@ -263,24 +283,6 @@ class ReservedWord(Diagnostic):
 
     word: str
 
-    _INSTEAD = {
-        "symbol": "`bind v: T where: …` introduces a variable with its constraint",
-        "assert_hold": "an `assert` of a behavior with `eff` is held until its next `do`",
-        "assert_once": "write `assert` in a behavior without `eff`",
-        "achieve_hold": "an `achieve` of a behavior with `eff` is held until its next `do`",
-        "pachieve": "write `achieve`",
-        "untrack": "write `achieve_once` for a condition that need not hold any longer",
-        "preamble": "statements before `promotable:` run first",
-        "critical": "statements outside `promotable:` are never interleaved",
-        "mem_query": "`bind o: T where: …` finds an object by a condition",
-        "findall": "`foreach o: T:` with `if` visits all objects with a property",
-        "findone": "`bind o: T where: …` finds one object with a property",
-        "batched": "conditions over many objects are `forall` and `exists`",
-        "heuristic": "planners choose their heuristic with an option",
-        "undirected_generator": "write one `generator` for each direction",
-        "import": "`include \"file.cdl\"` brings in definitions",
-    }
-
     def message(self) -> str:
         return f"`{self.word}` is not supported"
 
@@ -288,7 +290,7 @@ class ReservedWord(Diagnostic):
         return "reserved word"
 
     def help(self) -> tuple[Help, ...]:
-        return (Help(self._INSTEAD[self.word]),)
+        return (Help(_INSTEAD_OF_RESERVED[self.word]),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -521,8 +523,8 @@ class UnknownPragma(Lint):
 class WrongArgumentCount(Diagnostic):
     """A call or read with more or fewer arguments than declared.
 
-        feature on(x: block, y: block)
-        achieve on(x)
+    feature on(x: block, y: block)
+    achieve on(x)
     """
 
     name: str
@@ -542,8 +544,8 @@ class WrongArgumentCount(Diagnostic):
 class WrongArgumentType(Diagnostic):
     """An argument whose type is not that of the parameter.
 
-        controller attach(x: Object)
-        do attach(pose)
+    controller attach(x: Object)
+    do attach(pose)
     """
 
     name: str
@@ -632,8 +634,8 @@ class NotAnObjectType(Diagnostic):
 class TypeCycle(Diagnostic):
     """A `typedef` that is based on itself.
 
-        typedef a: b
-        typedef b: a
+    typedef a: b
+    typedef b: a
     """
 
     chain: Sequence[str]
@@ -873,11 +875,11 @@ class RecursiveCall(Diagnostic):
 class MissingPart(Diagnostic):
     """A problem file without one of its parts: its domain or its goal.
 
-        problem "sussman"
-        domain "blocks.cdl"
-        objects: …
-        init: …
-        goal: on(A, B)
+    problem "sussman"
+    domain "blocks.cdl"
+    objects: …
+    init: …
+    goal: on(A, B)
     """
 
     part: str
@@ -924,7 +926,6 @@ class WrongFileKind(Diagnostic):
 
     def message(self) -> str:
         return f"this is a {self.is_a} file; a {self.wanted} file is wanted"
-
 
 
 # ------------------------------------------------------------------------------- data-obliviousness

@@ -22,7 +22,17 @@ _OPENING = {"LPAR": ")", "LSQB": "]"}
 _CLOSING = {"RPAR": "LPAR", "RSQB": "LSQB"}
 # A line that starts with one of these in the first column ends any bracket left open.
 _DEFINITIONS = frozenset(
-    "TYPEDEF FEATURE CONTROLLER BEHAVIOR ACTION GENERATOR OBJECT_CONSTANT INCLUDE DEF".split()
+    (
+        "TYPEDEF",
+        "OBJECT_CONSTANT",
+        "FEATURE",
+        "DEF",
+        "CONTROLLER",
+        "BEHAVIOR",
+        "ACTION",
+        "GENERATOR",
+        "INCLUDE",
+    )
 )
 
 
@@ -133,9 +143,7 @@ def _report_unclosed(source: SourceFile, brackets: list[Token], found: Collector
     token = brackets[-1]
     location = source.location(token_span(token))
     found.add(
-        errors.UnclosedBracket(
-            location=location, bracket=str(token), closing=_OPENING[token.type]
-        )
+        errors.UnclosedBracket(location=location, bracket=str(token), closing=_OPENING[token.type])
     )
 
 

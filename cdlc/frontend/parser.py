@@ -1,5 +1,8 @@
 """Text to syntax: one definition at a time, carrying on after each mistake."""
 
+from typing import Any
+
+from crow.program import Location
 from lark import Token, UnexpectedToken
 from lark.parsers.lalr_interactive_parser import InteractiveParser
 
@@ -15,11 +18,13 @@ MAX_MISTAKES = 20
 
 _WHOLE_LINES = frozenset(("INIT", "OBJECTS"))
 _CONTINUATIONS = frozenset(("ELIF", "ELSE"))
-_HEADERS = (
-    "typedef feature def controller behavior action generator object_constant include domain "
-    "problem objects init goal minimize"
-).split()
+_HEADERS = ["typedef", "feature", "def", "controller", "behavior", "action", "generator", "include"]
+_HEADERS += ["object_constant", "domain", "problem", "objects", "init", "goal", "minimize"]
 _SECTIONS = ["goal", "body", "eff", "in", "out"]
+
+
+Stream = list[tuple[Token, Line]]
+"""The tokens of a definition, each with the line it stands on."""
 
 
 def parse(source: SourceFile, found: Collector) -> syntax.Module:
@@ -82,37 +87,52 @@ def _parse_definition(source: SourceFile, lines: list[Line], found: Collector) -
                 objects = [_parse(source, part, "objects_line", found) for part in parts]
                 return syntax.Objects(tuple(objects), span=token_span(word))
             statements = [_parse(source, part, "statement", found) for part in parts]
-            flat = [s for part in statements for s in (part if isinstance(part, tuple) else (part,))]
+            flat = [
+                s for part in statements for s in (part if isinstance(part, tuple) else (part,))
+            ]
             return syntax.Init(tuple(flat), span=token_span(word))
     result: syntax.Definition = _parse(source, lines, "definition", found)
     return result
 
 
-# mypy cannot know what a start symbol yields.
-def _parse(source: SourceFile, lines: list[Line], start: str, found: Collector):  # type: ignore[no-untyped-def]
+# What a start symbol yields is known to its rule only.
+def _parse(source: SourceFile, lines: list[Line], start: str, found: Collector) -> Any:
+    """Read lines from a start symbol, as often as mistakes can be mended and it gets further."""
     for _ in range(MAX_MISTAKES):
         parser = grammar.parser().parse_interactive(start=start)
         stream = [item for line in lines for item in flatten(line)]
-        try:
-            for index, (token, _owner) in enumerate(stream):
-                parser.feed_token(token)
-            return parser.feed_eof(stream[-1][0])
-        except UnexpectedToken:
-            if index == len(stream) - 1 and parser.accepts() == set():
-                break
-            if not _repair(source, stream, index, parser, lines, found):
-                break
+        failed = _feed(parser, stream)
+        if failed is None:
+            return _feed_eof(parser)
+        if not _repair(source, stream, failed, _accepts(parser), lines, found):
+            break
     return syntax.ErrorStatement(span=lines[0].span)
 
 
-Stream = list[tuple[Token, Line]]
+def _feed(parser: InteractiveParser, stream: Stream) -> int | None:
+    """Feed tokens; the index of the first one that does not fit, if there is one."""
+    for index, (token, _owner) in enumerate(stream):
+        try:
+            parser.feed_token(token)
+        except UnexpectedToken:
+            return index
+    return None
+
+
+# lark's interactive parser has no type annotations.
+def _feed_eof(parser: Any) -> Any:
+    return parser.feed_eof()
+
+
+def _accepts(parser: Any) -> set[str]:
+    return set(parser.accepts())
 
 
 def _repair(
     source: SourceFile,
     stream: Stream,
     index: int,
-    parser: InteractiveParser,
+    accepted: set[str],
     lines: list[Line],
     found: Collector,
 ) -> bool:
@@ -121,7 +141,6 @@ def _repair(
     False when the definition cannot be saved.
     """
     token, line = stream[index]
-    accepted = parser.accepts()
     if token.type == "ERROR":
         return False
     if token.type == "_NEWLINE" and "COLON" in accepted and line.block:
@@ -229,9 +248,7 @@ def _expected(accepted: set[str]) -> str:
     return " or ".join(names[:3])
 
 
-def _hint(
-    source: SourceFile, stream: Stream, index: int, accepted: set[str]
-) -> Help | None:
+def _hint(source: SourceFile, stream: Stream, index: int, accepted: set[str]) -> Help | None:
     token, line = stream[index]
     location = source.location(token_span(token))
     if token.type == "EQUAL":
@@ -262,10 +279,7 @@ def _hint_for_character(character: str) -> Help | None:
             return None
 
 
-def _hint_for_header(token: Token, accepted: set[str], location: object) -> Help | None:
-    from crow.program import Location
-
-    assert isinstance(location, Location)
+def _hint_for_header(token: Token, accepted: set[str], location: Location) -> Help | None:
     known = _HEADERS if "TYPEDEF" in accepted else _SECTIONS if "GOAL" in accepted else []
     aliases = {"effect": "eff", "effects": "eff", "class": "typedef", "type": "typedef",
                "predicate": "feature", "function": "def", "rule": "behavior", "fluent": "feature",

@@ -29,9 +29,7 @@ def check_range(node: syntax.ForRange, scope: Scope, context: Context) -> tuple[
     start, stop, step = (0, *known, 1) if len(known) == 1 else (*known, 1)[:3]
     if step == 0 or len(range(start, stop, step)) > MAX_COPIES:
         copies = None if step == 0 else (stop - start) // step
-        context.found.add(
-            errors.UnrollLimit(location=location, copies=copies, limit=MAX_COPIES)
-        )
+        context.found.add(errors.UnrollLimit(location=location, copies=copies, limit=MAX_COPIES))
         return 0, 0, 1
     return start, stop, step
 

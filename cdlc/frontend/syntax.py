@@ -290,7 +290,7 @@ class ForRange(Annotated):
 
 @dataclass(frozen=True, slots=True)
 class If(Annotated):
-    """`if`, `elif`s and `else`: conditions with their blocks; `otherwise` is None without `else`."""
+    """`if`, `elif`s and `else`: conditions with blocks; `otherwise` is None without `else`."""
 
     branches: tuple[tuple[Expression, tuple["Statement", ...]], ...]
     otherwise: tuple["Statement", ...] | None

@@ -8,8 +8,6 @@ here: a statement that is not is named in NotModelled.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from cdlc.ir.logic import TRUE, choice, conjunction, conjuncts, equality
-from cdlc.ir.names import fresh_name
 from crow.program import (
     Achieve,
     Apply,
@@ -36,6 +34,9 @@ from crow.program import (
 )
 from crow.program.rewrite import rewrite, substitute
 from crow.program.walk import subexpressions
+
+from cdlc.ir.logic import TRUE, choice, conjunction, conjuncts, equality
+from cdlc.ir.names import fresh_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +84,7 @@ def triple(program: Program, behavior: Behavior) -> Triple | None:
     return _Execution(program, behavior).run()
 
 
-def regress(
-    condition: Expression, post: Iterable[Update], hierarchy: Hierarchy
-) -> Expression:
+def regress(condition: Expression, post: Iterable[Update], hierarchy: Hierarchy) -> Expression:
     """The weakest precondition of a condition: what must hold before for it to hold after `post`.
 
     Each read of a written feature becomes a choice on whether it reads the written cell.

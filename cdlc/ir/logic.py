@@ -77,6 +77,8 @@ def equality(left: Expression, right: Expression, hierarchy: Hierarchy) -> Expre
         case (Variable() | Object(), Variable() | Object()):
             if are_disjoint(left.type, right.type, hierarchy):
                 return FALSE
+        case _:
+            pass
     return Compare("==", left, right)
 
 

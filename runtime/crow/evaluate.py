@@ -1,4 +1,4 @@
-"""Expressions and effects, run in a state: the plain interpreter that everything is checked against.
+"""Expressions and effects, run in a state: the interpreter that everything is checked against.
 
 Effects run statement by statement (D.3, D.5): a `foreach` is parallel, everything else in order.
 """
@@ -43,7 +43,7 @@ from crow.program import (
     Xor,
 )
 from crow.program.types import is_integer
-from crow.values import Value, ValueOutOfRange, default_value, stored
+from crow.values import Value, ValueRangeError, default_value, stored
 
 Environment = Mapping[str, Value]
 
@@ -141,7 +141,9 @@ class _Evaluator:
                 return self._arithmetic(node, variables)
             case Builtin(function=function, arguments=arguments):
                 values = [self.value(a, variables) for a in arguments]
-                return abs(values[0]) if function == "abs" else (min, max)[function == "max"](values)
+                return (
+                    abs(values[0]) if function == "abs" else (min, max)[function == "max"](values)
+                )
             case Apply():
                 return self._apply(node, variables)
             case _:
@@ -196,7 +198,7 @@ class _Evaluator:
 def _checked(value: Value, type_: Type) -> Value:
     """A result within its type; Python's own integers and powers know no bounds."""
     if isinstance(value, complex) or (isinstance(value, float) and math.isnan(value)):
-        raise ValueOutOfRange("the result is not a real number")
+        raise ValueRangeError("the result is not a real number")
     return stored(value, type_) if is_integer(type_) and isinstance(value, int) else value
 
 
@@ -281,7 +283,7 @@ class _Run:
             value = evaluate_(sum_, variables)
         try:
             value = stored(value, feature.type)
-        except ValueOutOfRange as error:
+        except ValueRangeError as error:
             raise EvaluationError(str(error), node.location) from None
         self.cells[cell] = self.written[cell] = value
 

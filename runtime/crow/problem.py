@@ -30,10 +30,9 @@ class World:
     @staticmethod
     def of(program: Program, objects: tuple[Parameter, ...] = ()) -> "World":
         """The world of a program with the objects of one problem."""
-        declared = (*program.constants, *objects)
-        return World(
-            program, {o.name: o.type for o in declared if isinstance(o.type, ObjectType)}
-        )
+        declared = [(c.name, c.type) for c in program.constants]
+        declared += [(o.name, o.type) for o in objects]
+        return World(program, {n: t for n, t in declared if isinstance(t, ObjectType)})
 
     @cached_property
     def hierarchy(self) -> Hierarchy:

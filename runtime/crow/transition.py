@@ -194,8 +194,7 @@ class _Application:
         candidates = [
             assignment
             for assignment in assignments_of(self.world, self._open(node), self._fixed(node))
-            if node.condition is None
-            or holds(self.world, self.state, node.condition, assignment)
+            if node.condition is None or holds(self.world, self.state, node.condition, assignment)
         ]
         names = [v.name for v in node.variables]
         if len(candidates) > 1:

@@ -15,7 +15,7 @@ Value = Any
 _WIDTHS = {INT32: 32, INT64: 64}
 
 
-class ValueOutOfRange(ArithmeticError):
+class ValueRangeError(ArithmeticError):
     """A number that its type does not hold."""
 
 
@@ -31,13 +31,13 @@ def default_value(type_: Type) -> Value | None:
 def stored(value: Value, type_: Type) -> Value:
     """A value as a cell of that type holds it: float32 rounded, integers within their width.
 
-    Raises ValueOutOfRange for a number that does not fit.
+    Raises ValueRangeError for a number that does not fit.
     """
     plain = underlying(type_)
     if plain in _WIDTHS:
         bound = 1 << (_WIDTHS[plain] - 1)
         if not -bound <= value < bound:
-            raise ValueOutOfRange(f"{value} does not fit into `{plain}`")
+            raise ValueRangeError(f"{value} does not fit into `{plain}`")
         return value
     if plain == FLOAT32:
         return _as_float32(value)
@@ -50,7 +50,7 @@ def _as_float32(value: float) -> float:
     try:
         rounded: float = struct.unpack("f", struct.pack("f", value))[0]
     except OverflowError:
-        raise ValueOutOfRange(f"{value} does not fit into `float32`") from None
+        raise ValueRangeError(f"{value} does not fit into `float32`") from None
     return rounded
 
 

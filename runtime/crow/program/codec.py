@@ -9,7 +9,7 @@ import types
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, fields
 from functools import cache
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from crow.program import definitions, expressions, statements
 from crow.program import types as program_types
@@ -41,7 +41,7 @@ NODES: Mapping[str, type] = {
 
 
 class ProgramFormatError(ValueError):
-    """The JSON is no compiled program of this version; the message says where it stops being one."""
+    """The JSON is no compiled program of this version; the message says where it stops."""
 
 
 def encode(program: Program, problem: ProblemStatement | None = None) -> dict[str, Json]:
@@ -86,7 +86,8 @@ def _decode_part(document: object, part: str, expected: type[_T]) -> _T:
     if part not in checked:
         raise ProgramFormatError(f"not a compiled program: no `{part}` at the top")
     try:
-        value: _T = _decoder(expected)(checked[part], part)
+        annotation: Any = expected
+        value: _T = _decoder(annotation)(checked[part], part)
     except RecursionError:
         raise ProgramFormatError(f"`{part}` is nested too deeply") from None
     return value
@@ -102,7 +103,7 @@ def _encode(value: object) -> Json:
             return value
         case _:
             encoded: dict[str, Json] = {"node": type(value).__name__}
-            for field, default in _encoded_fields(type(value)):
+            for field, default in _encoded_fields(cast("Any", type(value))):
                 item = getattr(value, field)
                 if item is not default and (default is MISSING or item != default):
                     encoded[field] = _encode(item)
@@ -110,7 +111,7 @@ def _encode(value: object) -> Json:
 
 
 @cache
-def _encoded_fields(cls: type) -> tuple[tuple[str, object], ...]:
+def _encoded_fields(cls: Any) -> tuple[tuple[str, object], ...]:
     return tuple((field.name, field.default) for field in fields(cls))
 
 

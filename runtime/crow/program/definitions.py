@@ -1,4 +1,4 @@
-"""Definitions, programs and problems (language.md §1–2)."""
+"""Definitions, programs and problems (language.md §1 and 2)."""
 
 from dataclasses import dataclass, field
 from typing import Literal as OneOf
@@ -18,7 +18,7 @@ class DefinitionNode(Node):
 
 @dataclass(frozen=True, slots=True)
 class TypeDefinition(DefinitionNode):
-    """A `typedef`. For object types `base` is the parent type, for value types what it stands for."""
+    """A `typedef`. `base` is the parent of an object type, or what a value type stands for."""
 
     name: str
     base: Type
@@ -93,7 +93,9 @@ class Generator(DefinitionNode):
     outputs: tuple[str, ...]
 
 
-Definition = TypeDefinition | ObjectConstant | Feature | Function | Controller | Behavior | Generator
+Definition = (
+    TypeDefinition | ObjectConstant | Feature | Function | Controller | Behavior | Generator
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,8 @@ class Constant(Node):
     def __eq__(self, other: object) -> bool:
         # `True == 1 == 1.0` in Python; as literals of CDL they differ.
         return isinstance(other, Constant) and (
-            (type(self.value), self.value, self.type) == (type(other.value), other.value, other.type)
+            (type(self.value), self.value, self.type)
+            == (type(other.value), other.value, other.type)
         )
 
     def __hash__(self) -> int:

@@ -1,4 +1,4 @@
-"""Typed statements (language.md §3, §2.1–2.5 of the paper)."""
+"""Typed statements (language.md §3, §2.1 to 2.5 of the paper)."""
 
 from dataclasses import dataclass, field
 from typing import Literal as OneOf

@@ -36,7 +36,11 @@ class VectorType:
     length: int | None
 
     def __str__(self) -> str:
-        return f"vector[{self.element}]" if self.length is None else f"vector[{self.element}, {self.length}]"
+        return (
+            f"vector[{self.element}]"
+            if self.length is None
+            else f"vector[{self.element}, {self.length}]"
+        )
 
 
 @dataclass(frozen=True, slots=True)

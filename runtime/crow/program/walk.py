@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from functools import cache
+from typing import Any
 
 from crow.program.expressions import Expression
 from crow.program.location import Node
@@ -10,14 +11,15 @@ from crow.program.statements import Statement
 
 
 @cache
-def _child_fields(cls: type) -> tuple[str, ...]:
+def _child_fields(cls: Any) -> tuple[str, ...]:
     skipped = ("location", "annotations", "type")
     return tuple(f.name for f in fields(cls) if f.name not in skipped)
 
 
 def children(node: Node) -> Iterator[Node]:
     """The nodes directly under a node, in the order of its fields."""
-    for name in _child_fields(type(node)):
+    cls: Any = type(node)
+    for name in _child_fields(cls):
         value = getattr(node, name)
         if isinstance(value, tuple):
             yield from (item for item in value if isinstance(item, Node))

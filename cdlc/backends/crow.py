@@ -1,0 +1,18 @@
+"""From the checked program to the runtime's problem."""
+
+from crow.evaluate import EvaluationError
+from crow.problem import Problem
+from crow.program import Location, ProblemStatement, Program
+
+from cdlc.backends.errors import NoInitialValue
+from cdlc.diagnostics import Collector
+
+
+def to_runtime(program: Program, statement: ProblemStatement, found: Collector) -> Problem | None:
+    """The runtime's problem; None, with a diagnostic, when its `init` has no value."""
+    try:
+        return Problem.of(program, statement)
+    except EvaluationError as error:
+        location = error.location or Location("", 1, 1, 1, 1)
+        found.add(NoInitialValue(location=location, reason=str(error)))
+        return None

@@ -1,0 +1,210 @@
+"""The pipeline on one page: a Compilation computes each stage once, when it is first asked for."""
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from crow.program import Location, ProblemStatement, Program
+
+from cdlc.diagnostics import Collector, Diagnostic
+from cdlc.frontend import errors
+from cdlc.frontend.check import CheckedDomain, CheckedProblem, check_domain, check_problem
+from cdlc.frontend.loader import EMPTY_DOMAIN, STANDARD_INPUT, Files, beside, title
+from cdlc.ir.lints import lint
+from cdlc.source import SourceFile
+
+if TYPE_CHECKING:
+    from crow.problem import Problem
+
+    from cdlc.backends.pddl import PddlTask
+    from cdlc.ir.hoare import Triple
+
+
+class CompileError(Exception):
+    """The input has errors: `diagnostics` are all of them, `sources` the texts they point into."""
+
+    def __init__(
+        self, diagnostics: tuple[Diagnostic, ...], sources: Mapping[str, SourceFile]
+    ) -> None:
+        super().__init__(diagnostics, sources)
+        self.diagnostics = diagnostics
+        self.sources = sources
+
+    def __str__(self) -> str:
+        from cdlc.render import as_text
+
+        return as_text(self.diagnostics, self.sources).rstrip()
+
+
+def _read_standard_input() -> bytes:
+    return sys.stdin.buffer.read()
+
+
+@dataclass
+class Compilation:
+    """A domain, a problem, or a problem with another domain than it names, through all stages.
+
+    Each stage raises CompileError if it or an earlier one finds errors. Warnings are in `found`.
+    """
+
+    domain_file: str | None = None
+    problem_file: str | None = None
+    found: Collector = field(default_factory=Collector)
+    read_standard_input: Callable[[], bytes] = _read_standard_input
+
+    @cached_property
+    def files(self) -> Files:
+        """The files read so far."""
+        return Files(self.found, self.read_standard_input)
+
+    @cached_property
+    def checked(self) -> CheckedProblem | CheckedDomain:
+        """The typed program, with the problem if there is one. Reports every mistake."""
+        checked = self._check_problem() if self.problem_file else self._check_domain()
+        if checked is not None and not self.found.has_errors:
+            lint(_domain_of(checked).program, self.found)
+        self._stop_at_errors()
+        assert checked is not None
+        return checked
+
+    @property
+    def program(self) -> Program:
+        """The typed program of the domain."""
+        return _domain_of(self.checked).program
+
+    @property
+    def statement(self) -> ProblemStatement | None:
+        """The typed problem, where there is one."""
+        checked = self.checked
+        return checked.problem if isinstance(checked, CheckedProblem) else None
+
+    @cached_property
+    def problem(self) -> "Problem":
+        """The problem with its initial state computed, ready to plan or to replay in."""
+        from cdlc.backends.crow import to_runtime
+
+        assert self.statement is not None
+        problem = to_runtime(self.program, self.statement, self.found)
+        self._stop_at_errors()
+        assert problem is not None
+        return problem
+
+    @cached_property
+    def triples(self) -> "tuple[Triple, ...]":
+        """The Hoare model of every behavior that has an effect."""
+        from cdlc.ir.model import model
+
+        triples = model(self.program, self.found)
+        self._stop_at_errors()
+        return triples
+
+    @cached_property
+    def pddl(self) -> "PddlTask":
+        """The PDDL of the domain and, if there is one, of the problem."""
+        from cdlc.backends.pddl import to_pddl
+
+        problem = self.problem if self.statement is not None else None
+        task = to_pddl(self.program, self.triples, problem, self.found)
+        self._stop_at_errors()
+        assert task is not None
+        return task
+
+    @property
+    def sources(self) -> Mapping[str, SourceFile]:
+        """The texts that diagnostics point into."""
+        return self.files.sources
+
+    def _stop_at_errors(self) -> None:
+        if self.found.has_errors:
+            raise CompileError(self.found.sorted(), self.sources)
+
+    def _check_domain(self) -> CheckedDomain | None:
+        assert self.domain_file is not None
+        module = self.files.load(self.domain_file)
+        if module is None:
+            return None
+        if (problem := title(module, "problem")) is not None:
+            location = self.sources[self.domain_file].location(problem.span)
+            self.found.add(errors.WrongFileKind(location=location, is_a="problem", wanted="domain"))
+            return None
+        definitions = list(self.files.definitions(self.domain_file))
+        return check_domain(_stem(self.domain_file), definitions, self.found)
+
+    def _check_problem(self) -> CheckedProblem | None:
+        assert self.problem_file is not None
+        module = self.files.load(self.problem_file)
+        if module is None:
+            return None
+        source = self.sources[self.problem_file]
+        start = Location(source.name, 1, 1, 1, 1)
+        if title(module, "problem") is None:
+            if module.definitions:
+                wrong = errors.WrongFileKind(location=start, is_a="domain", wanted="problem")
+                self.found.add(wrong)
+            return None
+        domain_file = self._domain_of_problem(start)
+        if domain_file is None:
+            return None
+        domain = [] if domain_file == EMPTY_DOMAIN else list(self.files.definitions(domain_file))
+        name = _stem(domain_file)
+        checked = check_problem(source, module, name, domain, self.found)
+        if checked is None and not self.found.has_errors:
+            missing = errors.MissingPart(location=start, part="goal", example="goal: …")
+            self.found.add(missing)
+        return checked
+
+    def _domain_of_problem(self, start: Location) -> str | None:
+        """The domain's file, loaded: the one given, else the one the problem names."""
+        assert self.problem_file is not None
+        module = self.files.modules[self.problem_file]
+        named = title(module, "domain")
+        wanted_by = None
+        domain_file = self.domain_file
+        if domain_file is None and named is not None:
+            wanted_by = self.sources[self.problem_file].location(named.span)
+            is_empty = named.text == EMPTY_DOMAIN
+            domain_file = EMPTY_DOMAIN if is_empty else beside(self.problem_file, named.text)
+        if domain_file is None:
+            example = 'domain "file.cdl"'
+            self.found.add(errors.MissingPart(location=start, part="domain", example=example))
+            return None
+        if domain_file == EMPTY_DOMAIN:
+            return domain_file
+        loaded = self.files.load(domain_file, wanted_by)
+        if loaded is None:
+            return None
+        if (problem := title(loaded, "problem")) is not None:
+            location = self.sources[domain_file].location(problem.span)
+            self.found.add(errors.WrongFileKind(location=location, is_a="problem", wanted="domain"))
+            return None
+        return domain_file
+
+
+def compilation(
+    files: list[str],
+    found: Collector | None = None,
+    read_standard_input: Callable[[], bytes] = _read_standard_input,
+) -> Compilation:
+    """The compilation of `DOMAIN`, `PROBLEM` or `DOMAIN PROBLEM`.
+
+    One file alone is a problem if it says so in its text, else a domain.
+    """
+    collector = Collector() if found is None else found
+    if len(files) == 2:
+        return Compilation(files[0], files[1], collector, read_standard_input)
+    single = Compilation(files[0], None, collector, read_standard_input)
+    module = single.files.load(files[0])
+    if module is not None and title(module, "problem") is not None:
+        single.domain_file, single.problem_file = None, files[0]
+    return single
+
+
+def _domain_of(checked: CheckedProblem | CheckedDomain) -> CheckedDomain:
+    return checked.domain if isinstance(checked, CheckedProblem) else checked
+
+
+def _stem(name: str) -> str:
+    return "domain" if name == STANDARD_INPUT else Path(name).stem
