@@ -1,0 +1,120 @@
+"""Solves one task with unified-planning; the only module that imports it, in the worker's child."""
+
+import platform
+import sys
+from typing import Any
+
+import psutil
+from unified_planning.engines import PlanGenerationResultStatus, ValidationResultStatus
+from unified_planning.engines.plan_validator import SequentialPlanValidator
+from unified_planning.environment import get_environment
+from unified_planning.io import PDDLReader
+from unified_planning.plans import PlanKind
+
+# An answer is JSON: {"outcome": "plan", "steps": [[action, argument...]...]}, or an outcome that is
+# another EngineStatus, or "missing" {"engines"}, "unsupported" {"features"}, "failed" {"reason"}.
+Answer = dict[str, Any]
+
+_OUTCOMES = {
+    PlanGenerationResultStatus.UNSOLVABLE_PROVEN: "unsolvable",
+    PlanGenerationResultStatus.UNSOLVABLE_INCOMPLETELY: "limit",
+    PlanGenerationResultStatus.TIMEOUT: "timeout",
+    PlanGenerationResultStatus.MEMOUT: "memory",
+}
+
+
+class _Refused(Exception):  # noqa: N818 - carries an answer, which need not be an error
+    """The run ends here with `answer`."""
+
+    def __init__(self, answer: Answer) -> None:
+        super().__init__(answer)
+        self.answer = answer
+
+
+def answer(request: dict[str, Any]) -> Answer:
+    """Solve the task of a request as `run` writes it; what is not foreseen is raised."""
+    try:
+        return _solve(request)
+    except _Refused as refused:
+        return refused.answer
+
+
+def _solve(request: dict[str, Any]) -> Answer:
+    environment = get_environment()
+    environment.credits_stream = None
+    planner_class = _planner_class(environment.factory, request["engine"])
+    # Only now: the libraries just imported reserve far more address space than they use.
+    _limit_memory(request["memory_limit_mb"])
+    problem = _read(request["domain"], request["problem"])
+    _check_support(planner_class, problem.kind)
+    with environment.factory.OneshotPlanner(name=request["engine"]) as planner:
+        result = planner.solve(problem)
+    _print_messages(result.log_messages)
+    if result.plan is None:
+        return _without_plan(result.status)
+    return _validated(problem, result.plan)
+
+
+def _planner_class(factory: Any, engine: str) -> Any:
+    names = [name for name in factory.engines if factory.engine(name).is_oneshot_planner()]
+    if engine not in names:
+        raise _Refused({"outcome": "missing", "engines": names})
+    return factory.engine(engine)
+
+
+def _limit_memory(megabytes: int | None) -> None:
+    # Elsewhere the limit is missing, or not enforced and the address space of no account.
+    if megabytes is None or platform.system() != "Linux":
+        return
+    import resource
+
+    limit = megabytes * 2**20
+    in_use = psutil.Process().memory_info().vms
+    if limit < in_use:
+        sys.stdout.write(f"unified-planning alone takes {in_use // 2**20} MiB of address space")
+        raise _Refused({"outcome": "memory"})
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    if hard != resource.RLIM_INFINITY:
+        limit = min(limit, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+
+def _read(domain: str, problem: str) -> Any:
+    try:
+        return PDDLReader().parse_problem_string(domain, problem)
+    except (MemoryError, SystemError):  # SystemError is what pyparsing makes of it
+        raise
+    except Exception as error:
+        reason = f"cannot read the PDDL: {error or type(error).__name__}"
+        raise _Refused({"outcome": "failed", "reason": reason}) from error
+
+
+def _check_support(planner_class: Any, kind: Any) -> None:
+    for engine in (planner_class, SequentialPlanValidator):
+        if not engine.supports(kind):
+            features = kind.features - engine.supported_kind().features or kind.features
+            raise _Refused({"outcome": "unsupported", "features": sorted(features)})
+
+
+def _print_messages(messages: Any) -> None:
+    for message in messages or ():
+        sys.stdout.write(message.message)
+
+
+def _without_plan(status: Any) -> Answer:
+    if status in _OUTCOMES:
+        return {"outcome": _OUTCOMES[status]}
+    if status is PlanGenerationResultStatus.UNSUPPORTED_PROBLEM:
+        return {"outcome": "unsupported", "features": ["this task, by its own account"]}
+    return {"outcome": "failed", "reason": f"it reports {status.name}"}
+
+
+def _validated(problem: Any, plan: Any) -> Answer:
+    if plan.kind is not PlanKind.SEQUENTIAL_PLAN:
+        plan = plan.convert_to(PlanKind.SEQUENTIAL_PLAN, problem)
+    verdict = SequentialPlanValidator().validate(problem, plan)
+    if verdict.status is not ValidationResultStatus.VALID:
+        said = " ".join(message.message for message in verdict.log_messages or ())
+        return {"outcome": "failed", "reason": f"it returned an invalid plan: {said}"}
+    steps = [[step.action.name, *map(str, step.actual_parameters)] for step in plan.actions]
+    return {"outcome": "plan", "steps": steps}
