@@ -17,3 +17,22 @@ class NoInitialValue(Diagnostic):
 
     def message(self) -> str:
         return f"the initial state cannot be computed: {self.reason}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotInPddl(Diagnostic):
+    """Something that PDDL, or this version's PDDL, has no form for.
+
+        feature position(x: Object) -> Pose
+
+    Boolean features over objects become predicates. Continuous values, Python functions and
+    features of other types stay with the runtime, which plans with the CDL program itself.
+    """
+
+    construct: str
+
+    def message(self) -> str:
+        return f"{self.construct} has no PDDL in this version"
+
+    def notes(self) -> tuple[str, ...]:
+        return ("PDDL is emitted for Boolean features of objects",)

@@ -1,6 +1,6 @@
 """A planning problem: a program with objects, an initial state and a goal."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
@@ -69,7 +69,7 @@ class World:
         own = self.objects.get(name) if isinstance(name, str) else None
         return own is not None and self.hierarchy.is_subtype(own, type_)
 
-    def cells(self, feature: Feature) -> product[tuple[str, ...]]:
+    def cells(self, feature: Feature) -> Iterator[tuple[str, ...]]:
         """Every tuple of objects that a feature has a value for, in order of declaration."""
         return product(*(self.objects_of(p.type) for p in feature.parameters))
 

@@ -1,0 +1,87 @@
+"""Plans of PDDL planners as transitions of the CDL program."""
+
+import re
+from dataclasses import dataclass
+
+from crow.problem import World
+
+from cdlc.backends.pddl.actions import Source
+from cdlc.backends.pddl.emit import PddlTask
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedTransition:
+    """A behavior with its arguments and binds; `also` are other behaviors it might have been."""
+
+    behavior: str
+    arguments: tuple[str, ...]
+    bindings: dict[str, str]
+    also: tuple[str, ...]
+
+
+class PlanFormatError(ValueError):
+    """A line of a plan that names no action or object of the task; `line` counts from 1."""
+
+    def __init__(self, message: str, line: int) -> None:
+        super().__init__(message)
+        self.line = line
+
+
+def read_plan(text: str) -> list[tuple[int, str, tuple[str, ...]]]:
+    """The steps of a PDDL plan, `(stack a b)` a line, with their line numbers.
+
+    Comments from `;` on and times before a step are dropped. Raises PlanFormatError.
+    """
+    steps = []
+    for number, line in enumerate(text.splitlines(), 1):
+        content = re.sub(r"^\s*\d+(\.\d+)?\s*:", "", line.split(";")[0]).strip()
+        content = re.sub(r"\[[\d.]+\]\s*$", "", content).strip()
+        if not content:
+            continue
+        match = re.fullmatch(r"\(\s*([^\s()]+)((?:\s+[^\s()]+)*)\s*\)", content)
+        if match is None:
+            raise PlanFormatError(f"not a step of a PDDL plan: `{content}`", number)
+        steps.append((number, match[1], tuple(match[2].split())))
+    return steps
+
+
+def to_step(
+    task: PddlTask, world: World, action: str, arguments: tuple[str, ...], line: int
+) -> PlannedTransition:
+    """The behavior behind a PDDL step: the first in source order that the action stands for.
+
+    Raises PlanFormatError for an unknown action or object, or a wrong number of arguments.
+    """
+    found = task.actions_by_name.get(action.lower())
+    if found is None:
+        raise PlanFormatError(f"no action `{action}` in the emitted domain", line)
+    if len(arguments) != len(found.parameters):
+        wanted = len(found.parameters)
+        raise PlanFormatError(f"`{action}` takes {wanted} arguments, not {len(arguments)}", line)
+    objects = [_object(task, world, name, line) for name in arguments]
+    values = {p.name: o for p, o in zip(found.parameters, objects, strict=True)}
+    first, *others = found.sources
+    return _transition(world, first, values, tuple(o.behavior for o in others))
+
+
+def _object(task: PddlTask, world: World, name: str, line: int) -> str:
+    origin = task.names.origin(name)
+    if origin is None or origin not in world.objects:
+        raise PlanFormatError(f"no object `{name}` in the problem", line)
+    return origin
+
+
+def _transition(
+    world: World, source: Source, values: dict[str, str], also: tuple[str, ...]
+) -> PlannedTransition:
+    behavior = world.behaviors[source.behavior]
+    own: dict[str, str] = {}
+    for variable, parameter in source.variables:
+        if parameter is not None:
+            own[variable] = values[parameter]
+    arguments = []
+    for declared in behavior.parameters:
+        # The transition does not depend on it, so any object of its type does.
+        default = next(iter(world.objects_of(declared.type)), "")
+        arguments.append(own.pop(declared.name, default))
+    return PlannedTransition(behavior.name, tuple(arguments), own, also)

@@ -1,0 +1,81 @@
+"""Plans and their JSON (interface.md): one step is one controller call."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from crow.trace import Trace, item_json
+from crow.values import Value
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A controller call and the behavior that made it; several calls of one behavior follow on.
+
+    `controller` is None for a behavior that changes features without running any. `also` names
+    other behaviors that are the same transition.
+    """
+
+    behavior: str
+    behavior_arguments: tuple[Value, ...]
+    bindings: dict[str, Value]
+    controller: str | None
+    arguments: tuple[Value, ...] = ()
+    also: tuple[str, ...] = ()
+
+    def json(self) -> dict[str, Any]:
+        """The step as it stands in a plan's JSON."""
+        step: dict[str, Any] = {
+            "behavior": self.behavior,
+            "behavior_arguments": list(self.behavior_arguments),
+            "bindings": dict(self.bindings),
+            "controller": self.controller,
+            "arguments": list(self.arguments),
+        }
+        return {**step, "also": list(self.also)} if self.also else step
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a planner found: `status` is plan, unsolvable, limit, timeout or memory."""
+
+    status: str
+    engine: str
+    steps: tuple[Step, ...] = ()
+    trace: Trace = ()
+    cost: float | None = None
+    seed: int = 0
+    statistics: dict[str, Any] = field(default_factory=dict)
+    explanation: str | None = None
+
+    def json(self) -> dict[str, Any]:
+        """The `plan --format json` document (schemas/plan.json)."""
+        document: dict[str, Any] = {
+            "version": 1,
+            "status": self.status,
+            "engine": self.engine,
+            "seed": self.seed,
+            "steps": [step.json() for step in self.steps],
+            "trace": [item_json(item) for item in self.trace],
+            "cost": self.cost,
+            "statistics": dict(self.statistics),
+        }
+        return (
+            document if self.explanation is None else {**document, "explanation": self.explanation}
+        )
+
+
+def call_text(name: str, arguments: tuple[Value, ...], bindings: dict[str, Value]) -> str:
+    """A call as `simulate --step` takes it: `r_clear(b, y=c)`."""
+    parts = [str(a) for a in arguments] + [f"{k}={v}" for k, v in bindings.items()]
+    return f"{name}({', '.join(parts)})"
+
+
+def plan_text(steps: tuple[Step, ...]) -> str:
+    """A plan, a step a line: the controller call, then the behavior that made it."""
+    calls = [call_text(s.controller, s.arguments, {}) if s.controller else "-" for s in steps]
+    width = max((len(call) for call in calls), default=0)
+    lines = []
+    for number, (step, call) in enumerate(zip(steps, calls, strict=True), 1):
+        behavior = call_text(step.behavior, step.behavior_arguments, step.bindings)
+        lines.append(f"{number:>{len(str(len(steps)))}}. {call:<{width}}  by {behavior}\n")
+    return "".join(lines)
