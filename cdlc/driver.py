@@ -112,6 +112,22 @@ class Compilation:
         assert task is not None
         return task
 
+    @cached_property
+    def ir_text(self) -> str:
+        """The typed program, and the problem if there is one, as JSON."""
+        import json
+
+        from crow.program import encode
+
+        return json.dumps(encode(self.program, self.statement), indent=1) + "\n"
+
+    @cached_property
+    def hoare_text(self) -> str:
+        """The Hoare model in the style of Appendix D.5."""
+        from cdlc.ir.text import hoare_text
+
+        return hoare_text(self.triples)
+
     @property
     def sources(self) -> Mapping[str, SourceFile]:
         """The texts that diagnostics point into."""
@@ -200,6 +216,11 @@ def compilation(
     if module is not None and title(module, "problem") is not None:
         single.domain_file, single.problem_file = None, files[0]
     return single
+
+
+def problem_compilation(files: list[str]) -> Compilation:
+    """The compilation of `PROBLEM` or `DOMAIN PROBLEM`; a domain in its place is reported."""
+    return Compilation(files[0] if len(files) == 2 else None, files[-1])
 
 
 def _domain_of(checked: CheckedProblem | CheckedDomain) -> CheckedDomain:

@@ -31,10 +31,9 @@ class Files:
         """Read and parse a file once; None, with a diagnostic, when it cannot be read."""
         if name in self.modules:
             return self.modules[name]
-        source = self._read(name, wanted_by)
+        source = self.read(name, wanted_by)
         if source is None:
             return None
-        self.sources[name] = source
         before = len(self.found.found)
         module = parse(source, self.found)
         if not module.definitions and len(self.found.found) == before:
@@ -56,6 +55,13 @@ class Files:
                 self.found.add(errors.IncludeCycle(location=location, chain=whole))
             elif self.load(path, location) is not None:
                 yield from self.definitions(path, (*chain, name))
+
+    def read(self, name: str, wanted_by: Location | None = None) -> SourceFile | None:
+        """Read a file's text; None, with a diagnostic, when it cannot be read."""
+        source = self._read(name, wanted_by)
+        if source is not None:
+            self.sources[name] = source
+        return source
 
     def _read(self, name: str, wanted_by: Location | None) -> SourceFile | None:
         location = Location(name, *_START)

@@ -47,6 +47,20 @@ class Result:
     statistics: dict[str, Any] = field(default_factory=dict)
     explanation: str | None = None
 
+    def summary(self) -> str:
+        """One line for people: what was found, or what kept a plan from being found."""
+        seconds = self.statistics.get("seconds")
+        took = "" if seconds is None else f" in {seconds:.2f} s"
+        count = f"{len(self.steps)} step{'' if len(self.steps) == 1 else 's'}"
+        told = {
+            "plan": f"plan of {count}, replayed to the goal",
+            "unsolvable": "no plan exists",
+            "limit": "no plan found: the search stopped at a limit of its own",
+            "timeout": "no plan found within the time limit",
+            "memory": "no plan found within the memory limit",
+        }[self.status]
+        return f"{told} ({self.engine}{took})"
+
     def json(self) -> dict[str, Any]:
         """The `plan --format json` document (schemas/plan.json)."""
         document: dict[str, Any] = {

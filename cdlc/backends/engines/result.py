@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import ClassVar
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +43,15 @@ LOG_LIMIT = 8192
 
 
 class EngineError(Exception):
-    """An engine could not be run to an answer."""
+    """An engine could not be run to an answer; `code` names the kind for users."""
+
+    code: ClassVar[str] = "engine-error"
 
 
 class EngineMissing(EngineError):  # noqa: N818 - the base class says it
     """The engine, or a package it needs, is not installed; the message names the cure."""
+
+    code = "engine-missing"
 
     def __init__(self, engine: str, cure: str) -> None:
         super().__init__(engine, cure)
@@ -58,6 +63,8 @@ class EngineMissing(EngineError):  # noqa: N818 - the base class says it
 
 class EngineUnsupported(EngineError):  # noqa: N818 - the base class says it
     """The engine does not take this kind of task; `features` are unified-planning's names."""
+
+    code = "engine-unsupported"
 
     def __init__(self, engine: str, features: tuple[str, ...]) -> None:
         super().__init__(engine, features)
@@ -72,6 +79,8 @@ class EngineFailed(EngineError):  # noqa: N818 - the base class says it
 
     `log` is the end of what the engine printed, at most `LOG_LIMIT` bytes.
     """
+
+    code = "engine-failed"
 
     def __init__(self, engine: str, reason: str, log: str) -> None:
         super().__init__(engine, reason, log)

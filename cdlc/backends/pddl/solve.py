@@ -1,0 +1,86 @@
+"""Planning with a PDDL engine: emit, solve in a child process, map back, replay."""
+
+from crow.plan import Result, Step
+from crow.problem import Problem, State, World
+from crow.replay import replay_to_goal
+from crow.trace import DoItem, TraceItem
+from crow.transition import Transition, apply
+
+from cdlc.backends.engines import EngineStatus, solve
+from cdlc.backends.pddl.emit import PddlTask
+from cdlc.backends.pddl.plans import PlannedTransition, to_step
+
+
+class InvalidPlan(Exception):  # noqa: N818 - a fault of the engine or of ours, not of the input
+    """An engine's plan that is no plan of the program; the message says at which step and why."""
+
+    code = "invalid-plan"
+
+
+def solve_task(
+    task: PddlTask,
+    problem: Problem,
+    engine: str,
+    *,
+    time_limit: float | None = None,
+    memory_limit_mb: int | None = None,
+) -> Result:
+    """A replayed plan of an engine, or why there is none.
+
+    Limits are seconds of wall time and MiB of address space. Raises EngineError as `solve` does,
+    and InvalidPlan when the engine's plan does not replay.
+    """
+    assert task.problem is not None
+    solved = solve(
+        task.domain,
+        task.problem,
+        engine=engine,
+        time_limit=time_limit,
+        memory_limit_mb=memory_limit_mb,
+    )
+    statistics = {"seconds": round(solved.seconds, 3)}
+    if solved.status is not EngineStatus.PLAN:
+        return Result(str(solved.status), engine, statistics=statistics)
+    planned = [
+        to_step(task, problem.world, step.action, step.arguments, number)
+        for number, step in enumerate(solved.steps, 1)
+    ]
+    steps, trace = run(problem, planned)
+    return Result("plan", engine, steps, trace, float(len(steps)), statistics=statistics)
+
+
+def run(
+    problem: Problem, planned: list[PlannedTransition]
+) -> tuple[tuple[Step, ...], tuple[TraceItem, ...]]:
+    """Apply transitions from the initial state, then replay their trace to the goal.
+
+    Raises InvalidPlan at the first one that cannot be applied, or if the goal is not reached.
+    """
+    state, steps, trace = problem.initial, list[Step](), list[TraceItem]()
+    for number, transition in enumerate(planned, 1):
+        applied = apply_planned(problem.world, state, transition)
+        if applied.problem is not None:
+            raise InvalidPlan(f"step {number}: {applied.problem}")
+        state = applied.state
+        trace += applied.trace
+        steps += steps_of(transition, applied)
+    replayed = replay_to_goal(problem, tuple(trace))
+    if replayed.failure is not None:
+        failure = replayed.failure
+        raise InvalidPlan(f"`{failure.condition}`: {failure.reason}")
+    return tuple(steps), tuple(trace)
+
+
+def apply_planned(world: World, state: State, planned: PlannedTransition) -> Transition:
+    """Apply a planned transition in a state."""
+    behavior = world.behaviors[planned.behavior]
+    return apply(world, state, behavior, planned.arguments, planned.bindings)
+
+
+def steps_of(planned: PlannedTransition, applied: Transition) -> list[Step]:
+    """The steps of an applied transition, one a controller call."""
+    calls = [item for item in applied.trace if isinstance(item, DoItem)]
+    own = (planned.behavior, planned.arguments, dict(applied.bindings))
+    if not calls:
+        return [Step(*own, None, (), planned.also)]
+    return [Step(*own, call.controller, call.arguments, planned.also) for call in calls]

@@ -1,0 +1,309 @@
+"""The command line: arguments to driver calls to exit statuses (docs/reference/commands.md)."""
+
+import argparse
+import json
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cdlc import driver, render
+from cdlc.diagnostics import Collector, Severity
+
+if TYPE_CHECKING:
+    from cdlc.source import SourceFile
+
+DONE, INPUT_ERRORS, USAGE, NO_PLAN, LIMIT, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `cdlc`; returns the exit status (interface.md)."""
+    options = _parser().parse_args(arguments)
+    signal.signal(signal.SIGTERM, _on_terminate)
+    try:
+        status: int = options.run(options)
+        sys.stdout.flush()
+    except driver.CompileError as error:
+        _report(options, error.diagnostics, error.sources)
+        return INPUT_ERRORS
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone; what is still in the buffer must not raise at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return INPUT_ERRORS
+    except OSError as error:
+        named = f"`{error.filename}`: " if error.filename else ""
+        print(f"error[cannot-write]: {named}{error.strerror or error}", file=sys.stderr)
+        return INPUT_ERRORS
+    return status
+
+
+def _on_terminate(_number: int, _frame: object) -> None:
+    """End as on Ctrl-C, so that child processes and temporary files go too."""
+    raise KeyboardInterrupt
+
+
+# --------------------------------------------------------------------------------------- arguments
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="cdlc", description="Check, compile and plan with CDL domains.", allow_abbrev=False
+    )
+    parser.add_argument("--version", action="version", version=f"cdlc {_version()}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    _check_arguments(_command(commands, "check", check, "report every mistake in CDL files"))
+    _compile_arguments(_command(commands, "compile", compile_, "emit a domain in another form"))
+    _plan_arguments(_command(commands, "plan", plan, "find a plan for a problem"))
+    validator = _command(commands, "validate", validate, "check a plan for a problem")
+    _files(validator, "DOMAIN", "PROBLEM", "PLAN")
+    simulator = _command(commands, "simulate", simulate, "apply behaviors one after another")
+    _files(simulator, "DOMAIN", "PROBLEM")
+    simulator.add_argument(
+        "--step", action="append", default=[], metavar="CALL", help="a behavior: 'name(a, bind=b)'"
+    )
+    _format(simulator)
+    return parser
+
+
+class _Version(str):
+    """Reads the installed version only when it is printed; looking it up takes a while."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        from importlib.metadata import version
+
+        return version("cdlc")
+
+    def __format__(self, spec: str) -> str:
+        return str(self)
+
+
+def _version() -> str:
+    return _Version()
+
+
+def _command(commands: Any, name: str, run: Any, help_: str) -> argparse.ArgumentParser:
+    command: argparse.ArgumentParser = commands.add_parser(
+        name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.", allow_abbrev=False
+    )
+    command.set_defaults(run=run)
+    return command
+
+
+def _files(command: argparse.ArgumentParser, *names: str) -> None:
+    """Positional files; a leading DOMAIN may be left out where PROBLEM names its own."""
+    shown = tuple(names)
+    usage = " ".join(f"[{n}]" if n == "DOMAIN" else n for n in shown)
+    command.add_argument("files", nargs="+", metavar="FILE", help=usage)
+    command.set_defaults(file_names=shown)
+
+
+def _format(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--format", choices=("text", "json"), default="text")
+
+
+def _check_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("files", nargs="+", metavar="FILE", help="'-' reads standard input")
+    _format(command)
+    command.add_argument("--warnings", choices=("error",), help="treat warnings as errors")
+
+
+def _compile_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("files", nargs="+", metavar="FILE", help="DOMAIN [PROBLEM]")
+    command.add_argument("--emit", required=True, choices=("pddl", "ir", "hoare"))
+    command.add_argument("-o", dest="output", type=Path, metavar="DIR", help="write files there")
+
+
+def _plan_arguments(command: argparse.ArgumentParser) -> None:
+    _files(command, "DOMAIN", "PROBLEM")
+    command.add_argument(
+        "--engine", default="fast-downward", metavar="NAME", help="default: %(default)s"
+    )
+    command.add_argument("--time-limit", type=_positive(float), metavar="S", help="seconds")
+    command.add_argument("--max-memory", type=_positive(int), metavar="MB")
+    _format(command)
+    command.add_argument(
+        "-o", dest="output", type=Path, metavar="FILE", help="write the plan there"
+    )
+
+
+def _positive(kind: Any) -> Any:
+    def read(text: str) -> Any:
+        value = kind(text)
+        if not 0 < value < float("inf"):
+            raise argparse.ArgumentTypeError(f"{text} is not positive")
+        return value
+
+    read.__name__ = "number"
+    return read
+
+
+# ---------------------------------------------------------------------------------------- commands
+
+
+def check(options: argparse.Namespace) -> int:
+    """`cdlc check`: every mistake in every file, in one go."""
+    found = Collector()
+    sources: dict[str, SourceFile] = {}
+    for file in options.files:
+        compilation = driver.compilation([file], found)
+        compilation.files.sources.update(sources)
+        with suppress(driver.CompileError):  # its diagnostics are in `found`
+            _ = compilation.checked
+        sources |= compilation.sources
+    diagnostics = found.sorted()
+    if options.format == "json":
+        _print_json(render.as_json(diagnostics))
+    elif diagnostics:
+        _report(options, diagnostics, sources)
+        print(render.summary(diagnostics), file=sys.stderr)
+    is_strict = options.warnings == "error" and diagnostics
+    return INPUT_ERRORS if found.has_errors or is_strict else DONE
+
+
+def compile_(options: argparse.Namespace) -> int:
+    """`cdlc compile`: a domain, and a problem if given, in another form."""
+    if len(options.files) > 2:
+        return _usage("compile takes DOMAIN [PROBLEM]")
+    compilation = driver.compilation(options.files)
+    match options.emit:
+        case "pddl":
+            texts = {"domain.pddl": compilation.pddl.domain}
+            if compilation.pddl.problem is not None:
+                texts["problem.pddl"] = compilation.pddl.problem
+        case "ir":
+            texts = {"program.json": compilation.ir_text}
+        case _:
+            texts = {"model.hoare": compilation.hoare_text}
+    _warn(options, compilation)
+    if options.output is None:
+        print("\n".join(texts.values()), end="")
+    else:
+        from cdlc.output import write_all
+
+        write_all({options.output / name: text for name, text in texts.items()})
+    return DONE
+
+
+def plan(options: argparse.Namespace) -> int:
+    """`cdlc plan`: a plan on standard output, everything else on standard error."""
+    compilation = _problem_compilation(options)
+    if compilation is None:
+        return USAGE
+    from cdlc.backends.engines import EngineError
+    from cdlc.backends.pddl.solve import InvalidPlan, solve_task
+
+    task, problem = compilation.pddl, compilation.problem
+    _warn(options, compilation)
+    try:
+        result = solve_task(
+            task,
+            problem,
+            options.engine,
+            time_limit=options.time_limit,
+            memory_limit_mb=options.max_memory,
+        )
+    except (EngineError, InvalidPlan) as error:
+        print(f"error[{error.code}]: {error}", file=sys.stderr)
+        return INPUT_ERRORS
+    return _show_plan(options, result)
+
+
+def _show_plan(options: argparse.Namespace, result: Any) -> int:
+    from crow.plan import plan_text
+
+    is_json = options.format == "json"
+    if is_json:
+        text = json.dumps(result.json(), indent=2) + "\n"
+    else:
+        text = plan_text(result.steps) if result.status == "plan" else ""
+    if options.output is not None and (is_json or text):
+        from cdlc.output import write_whole
+
+        write_whole(options.output, text)
+    else:
+        print(text, end="")
+    if not is_json:
+        print(result.summary(), file=sys.stderr)
+    return {"plan": DONE, "timeout": LIMIT, "memory": LIMIT}.get(result.status, NO_PLAN)
+
+
+def validate(options: argparse.Namespace) -> int:
+    """`cdlc validate`: whether a plan can be carried out and reaches the goal."""
+    if not 2 <= len(options.files) <= 3:
+        return _usage("validate takes [DOMAIN] PROBLEM PLAN")
+    *files, plan_file = options.files
+    compilation = driver.problem_compilation(files)
+    from cdlc.plans.validate import validate as run
+
+    _ = compilation.problem
+    source = compilation.files.read(plan_file)
+    found = compilation.found
+    checked = None if source is None else run(compilation, source, found)
+    _report(options, found.sorted(), compilation.sources)
+    if found.has_errors or checked is None:
+        return INPUT_ERRORS
+    print(checked.summary())
+    return DONE
+
+
+def simulate(options: argparse.Namespace) -> int:
+    """`cdlc simulate`: the state after some behaviors."""
+    compilation = _problem_compilation(options)
+    if compilation is None:
+        return USAGE
+    from cdlc.plans.simulate import simulate as run
+    from cdlc.plans.simulate import state_text
+
+    problem = compilation.problem
+    _warn(options, compilation)
+    found = Collector()
+    result = run(problem, options.step, found, compilation.files.sources)
+    _report(options, found.sorted(), compilation.sources)
+    if options.format == "json":
+        _print_json(result.json())
+    else:
+        print(state_text(result.world, result.state), end="")
+    return DONE if result.is_complete else INPUT_ERRORS
+
+
+# ------------------------------------------------------------------------------------------ shared
+
+
+def _problem_compilation(options: argparse.Namespace) -> driver.Compilation | None:
+    """The compilation of `[DOMAIN] PROBLEM`; None, with a message, for another number of files."""
+    if len(options.files) > 2:
+        _usage("give [DOMAIN] PROBLEM")
+        return None
+    return driver.problem_compilation(options.files)
+
+
+def _usage(message: str) -> int:
+    print(f"usage error: {message}; see --help", file=sys.stderr)
+    return USAGE
+
+
+def _print_json(document: dict[str, Any]) -> None:
+    print(json.dumps(document, indent=2, ensure_ascii=False))
+
+
+def _warn(options: argparse.Namespace, compilation: driver.Compilation) -> None:
+    """Show the warnings of a compilation that goes on."""
+    warnings = [d for d in compilation.found if d.severity is Severity.WARNING]
+    _report(options, warnings, compilation.sources)
+
+
+def _report(options: argparse.Namespace, diagnostics: Any, sources: Any) -> None:
+    """Diagnostics on standard error; as JSON on standard output for `check --format json`."""
+    if options.run is check and options.format == "json":
+        _print_json(render.as_json(diagnostics))
+    elif diagnostics:
+        color = render.wants_color(sys.stderr)
+        print(render.as_text(diagnostics, sources, color=color), file=sys.stderr)
