@@ -55,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="cdlc", description="Check, compile and plan with CDL domains.", allow_abbrev=False
     )
-    parser.add_argument("--version", action="version", version=f"cdlc {_version()}")
+    parser.add_argument("--version", action=_PrintVersion, nargs=0, help="show the version")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _check_arguments(_command(commands, "check", check, "report every mistake in CDL files"))
     _compile_arguments(_command(commands, "compile", compile_, "emit a domain in another form"))
@@ -71,22 +71,14 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-class _Version(str):
-    """Reads the installed version only when it is printed; looking it up takes a while."""
+class _PrintVersion(argparse.Action):
+    """`--version`; looking the version up takes a while, so only when asked."""
 
-    __slots__ = ()
-
-    def __str__(self) -> str:
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from importlib.metadata import version
 
-        return version("cdlc")
-
-    def __format__(self, spec: str) -> str:
-        return str(self)
-
-
-def _version() -> str:
-    return _Version()
+        print(f"cdlc {version('cdlc')}")
+        parser.exit()
 
 
 def _command(commands: Any, name: str, run: Any, help_: str) -> argparse.ArgumentParser:

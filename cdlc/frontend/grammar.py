@@ -3,6 +3,7 @@
 Building the tables takes about half a second, reading them back a tenth of that.
 """
 
+import hashlib
 import os
 import sys
 from collections.abc import Iterator
@@ -35,7 +36,7 @@ def grammar_text() -> str:
 @cache
 def parser() -> lark.Lark:
     """The parser, read from the cache or built and put there; an unusable cache is ignored."""
-    return build(grammar_text(), cache_file=_cache_file())
+    return build(grammar_text(), cache_file=_cache_file(grammar_text()))
 
 
 def build(text: str, *, cache_file: Path | None = None, strict: bool = False) -> lark.Lark:
@@ -56,7 +57,7 @@ def build(text: str, *, cache_file: Path | None = None, strict: bool = False) ->
     )
 
 
-def _cache_file() -> Path | None:
+def _cache_file(text: str) -> Path | None:
     """Where the tables are kept, in a folder of the user's own since they are read as a pickle.
 
     None where there is no home to keep them in.
@@ -67,4 +68,5 @@ def _cache_file() -> Path | None:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except (OSError, RuntimeError):
         return None
-    return folder / f"grammar-{sys.version_info[0]}{sys.version_info[1]}.pickle"
+    key = hashlib.sha256(text.encode()).hexdigest()[:12]
+    return folder / f"grammar-{key}-{sys.version_info[0]}{sys.version_info[1]}.pickle"

@@ -14,7 +14,7 @@ ComparisonOperator = OneOf["==", "!=", "<", "<=", ">", ">="]
 Scalar = bool | int | float | str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Parameter(Node):
     """A typed name: a parameter, a quantified or loop variable, a bound variable."""
 
@@ -22,7 +22,7 @@ class Parameter(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Constant(Node):
     """A literal: bool, number or string."""
 
@@ -40,7 +40,7 @@ class Constant(Node):
         return hash((type(self.value), self.value, self.type))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Vector(Node):
     """`[e, …]`, a vector or a list."""
 
@@ -48,7 +48,7 @@ class Vector(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Variable(Node):
     """A parameter or local of the enclosing definition."""
 
@@ -56,7 +56,7 @@ class Variable(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Object(Node):
     """An object named by the domain (`object_constant`) or by the problem."""
 
@@ -64,7 +64,7 @@ class Object(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Read(Node):
     """The value of a feature at its arguments in the state of this place."""
 
@@ -73,7 +73,7 @@ class Read(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Apply(Node):
     """A call of an external or derived function."""
 
@@ -82,7 +82,7 @@ class Apply(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Builtin(Node):
     """`min`, `max` or `abs`."""
 
@@ -91,7 +91,7 @@ class Builtin(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Not(Node):
     """Negation."""
 
@@ -103,7 +103,7 @@ class Not(Node):
         return BOOL
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class And(Node):
     """Conjunction of two or more operands, left to right."""
 
@@ -115,7 +115,7 @@ class And(Node):
         return BOOL
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Or(Node):
     """Disjunction of two or more operands, left to right."""
 
@@ -127,7 +127,7 @@ class Or(Node):
         return BOOL
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Xor(Node):
     """`^`: true when the operands differ."""
 
@@ -140,7 +140,7 @@ class Xor(Node):
         return BOOL
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Compare(Node):
     """One comparison; the operands have been checked to be comparable."""
 
@@ -154,7 +154,7 @@ class Compare(Node):
         return BOOL
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Negative(Node):
     """Unary minus."""
 
@@ -162,7 +162,7 @@ class Negative(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Arithmetic(Node):
     """A binary arithmetic operation on numbers or, element by element, on vectors."""
 
@@ -172,7 +172,7 @@ class Arithmetic(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Conditional(Node):
     """`then if condition else otherwise`; the branch not chosen is not evaluated."""
 
@@ -182,7 +182,7 @@ class Conditional(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Quantified(Node):
     """`forall` or `exists` over the objects of each variable's type."""
 

@@ -1,0 +1,73 @@
+"""The functions that `import cdlc` offers."""
+
+from dataclasses import dataclass
+from os import PathLike, fspath
+from typing import TYPE_CHECKING
+
+from cdlc import driver
+from cdlc.diagnostics import Diagnostic
+from crow.program import ProblemStatement, Program
+
+if TYPE_CHECKING:
+    from cdlc.backends.pddl import PddlTask
+    from cdlc.ir.hoare import Triple
+
+Path = str | PathLike[str]
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A domain, and a problem if one was given, without errors."""
+
+    _compilation: driver.Compilation
+
+    @property
+    def program(self) -> Program:
+        """The typed program."""
+        return self._compilation.program
+
+    @property
+    def problem(self) -> ProblemStatement | None:
+        """The typed problem, if one was given."""
+        return self._compilation.statement
+
+    @property
+    def warnings(self) -> tuple[Diagnostic, ...]:
+        """What was found and does not stop the compiler, in source order."""
+        return self._compilation.found.sorted()
+
+    def hoare(self, behavior: str) -> "Triple":
+        """Precondition and effect of a behavior (App. D.5).
+
+        Raises KeyError for a name that is no behavior with an effect, CompileError for a program
+        that has no Hoare model in this version.
+        """
+        return {triple.behavior: triple for triple in self._compilation.triples}[behavior]
+
+    def pddl(self) -> "PddlTask":
+        """The PDDL: `.domain` and, where there is a problem, `.problem` are texts.
+
+        Raises CompileError for a program that is not discrete.
+        """
+        return self._compilation.pddl
+
+
+def check(path: Path) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with a domain or problem file, warnings too, in source order."""
+    compilation = driver.compilation([fspath(path)])
+    try:
+        _ = compilation.checked
+    except driver.CompileError as error:
+        return error.diagnostics
+    return compilation.found.sorted()
+
+
+def compile(domain: Path, problem: Path | None = None) -> Compiled:  # noqa: A001 - the natural name
+    """Compile a domain or problem file, or a problem with another domain than it names.
+
+    Raises CompileError, which holds every diagnostic, if there are errors.
+    """
+    files = [fspath(domain)] + ([] if problem is None else [fspath(problem)])
+    compilation = driver.compilation(files)
+    _ = compilation.checked
+    return Compiled(compilation)
