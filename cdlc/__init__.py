@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cdlc.driver import CompileError
-    from cdlc.library import Compiled, check, compile
+    from cdlc.library import Compiled, check, compile  # noqa: A004 - the natural name
 
 __all__ = ["check", "compile", "Compiled", "CompileError"]
 

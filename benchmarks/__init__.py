@@ -1,0 +1,1 @@
+"""What cdlc costs, measured: `python -m benchmarks [name ...] [--quick]`."""
