@@ -20,7 +20,7 @@ _COMMANDS = {
 }  # fmt: skip
 
 
-def run(quick: bool) -> Table:  # noqa: FBT001 - every benchmark's signature
+def run(quick: bool) -> Table:
     """Median CPU seconds of each command, their runs interleaved, and the ratio to the first."""
     runs = 5 if quick else 21
     for command in _COMMANDS.values():  # fill the caches of bytecode and grammar tables
