@@ -9,14 +9,14 @@ from crow.program.statements import Annotation, Statement
 from crow.program.types import Type
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
 class DefinitionNode(Node):
     """What every definition carries."""
 
     annotations: tuple[Annotation, ...] = field(default=())
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class TypeDefinition(DefinitionNode):
     """A `typedef`. `base` is the parent of an object type, or what a value type stands for."""
 
@@ -25,7 +25,7 @@ class TypeDefinition(DefinitionNode):
     is_object: bool
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ObjectConstant(DefinitionNode):
     """An object that every problem has."""
 
@@ -33,7 +33,7 @@ class ObjectConstant(DefinitionNode):
     type: Type
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Feature(DefinitionNode):
     """A state variable for each tuple of arguments (§2, D.2)."""
 
@@ -42,7 +42,7 @@ class Feature(DefinitionNode):
     type: Type
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Function(DefinitionNode):
     """A function: external when `body` is None (Python supplies it), else derived (D.3)."""
 
@@ -52,7 +52,7 @@ class Function(DefinitionNode):
     body: tuple[Statement, ...] | None
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Controller(DefinitionNode):
     """A primitive command; `effect` is None when it carries no `eff:` section."""
 
@@ -61,7 +61,7 @@ class Controller(DefinitionNode):
     effect: tuple[Statement, ...] | None
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Promotable(Node):
     """The M of `<L, M, R>` (§2.3)."""
 
@@ -69,7 +69,7 @@ class Promotable(Node):
     members: tuple[Statement, ...]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Behavior(DefinitionNode):
     """A behavior rule as the program `<left, promotable, right>` and its effect (App. A)."""
 
@@ -82,7 +82,7 @@ class Behavior(DefinitionNode):
     effect: tuple[Statement, ...] | None
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Generator(DefinitionNode):
     """Python that yields values for `outputs` that make `goal` true, given `inputs` (B.1, D.4)."""
 

@@ -7,7 +7,7 @@ from crow.program.expressions import Expression, Parameter, Scalar
 from crow.program.location import Node
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Annotation(Node):
     """`[[name]]` or `[[name=value]]`; a bare word stands as a string."""
 
@@ -15,14 +15,14 @@ class Annotation(Node):
     value: Scalar | tuple[str, ...] | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
 class StatementNode(Node):
     """What every statement carries."""
 
     annotations: tuple[Annotation, ...] = field(default=())
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Let(StatementNode):
     """`let v = e`: evaluated once, where it stands."""
 
@@ -30,7 +30,7 @@ class Let(StatementNode):
     value: Expression
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class SetLocal(StatementNode):
     """`v = e` on a local."""
 
@@ -38,7 +38,7 @@ class SetLocal(StatementNode):
     value: Expression
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Assign(StatementNode):
     """`f[a, …] = e`, or with an operator `f[a, …] += e` and the like."""
 
@@ -48,14 +48,14 @@ class Assign(StatementNode):
     value: Expression
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Assert(StatementNode):
     """`assert e`: true where it stands, or the trace is not sound (§2.2)."""
 
     condition: Expression
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Achieve(StatementNode):
     """`achieve e`; with `once` the condition need not hold any longer than where it stands."""
 
@@ -63,7 +63,7 @@ class Achieve(StatementNode):
     once: bool = False
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Do(StatementNode):
     """`do c(…)`: a controller call of the plan."""
 
@@ -71,7 +71,7 @@ class Do(StatementNode):
     arguments: tuple[Expression, ...]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Call(StatementNode):
     """A behavior run where it stands, with no null refinement."""
 
@@ -79,7 +79,7 @@ class Call(StatementNode):
     arguments: tuple[Expression, ...]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Bind(StatementNode):
     """`bind v: T where: e` (§2.4)."""
 
@@ -87,12 +87,12 @@ class Bind(StatementNode):
     condition: Expression | None
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Commit(StatementNode):
     """`commit` (§2.5)."""
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Group(StatementNode):
     """`sequential:`, `unordered:` or `alternative:`."""
 
@@ -100,7 +100,7 @@ class Group(StatementNode):
     body: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ForEach(StatementNode):
     """`foreach o: T:`; parallel in effects (D.3), an unordered group in bodies."""
 
@@ -108,7 +108,7 @@ class ForEach(StatementNode):
     body: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ForRange(StatementNode):
     """`for i in range(start, stop, step):` with bounds known at compile time."""
 
@@ -119,17 +119,17 @@ class ForRange(StatementNode):
     body: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Break(StatementNode):
     """Ends the enclosing `for`."""
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Continue(StatementNode):
     """Ends this iteration of the enclosing `for`."""
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class If(StatementNode):
     """`if`/`else`; `elif` is an `If` in `otherwise`."""
 
@@ -138,7 +138,7 @@ class If(StatementNode):
     otherwise: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Return(StatementNode):
     """`return e`, in derived functions."""
 
