@@ -403,16 +403,12 @@ class Executor:
             guards = (pool.false, write.guard) if one is None else (write.guard, pool.false)
             guard = pool.choice(condition, *guards)
             return replace(write, guard=guard, value=self._settled(write, layer))
-        values = self._settled(one, then), self._settled(other, otherwise)
         is_plain = then.under is None and not write.variables
         if is_plain and not one.guard is other.guard is pool.true:
             # A cell written conditionally again and again: its guard would grow with each time.
-            before = pool.read(write.feature, write.arguments, self.features[write.feature].type)
-            values = (
-                pool.choice(one.guard, values[0], before),
-                pool.choice(other.guard, values[1], before),
-            )
-            return replace(write, guard=pool.true, value=pool.choice(condition, *values))
+            ends = [self.read(write.feature, write.arguments, end) for end in (then, otherwise)]
+            return replace(write, guard=pool.true, value=pool.choice(condition, *ends))
+        values = self._settled(one, then), self._settled(other, otherwise)
         guard = pool.choice(condition, one.guard, other.guard)
         return replace(write, guard=guard, value=pool.choice(condition, *values))
 

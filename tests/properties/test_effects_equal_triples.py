@@ -1,0 +1,93 @@
+"""Running an effect statement by statement, and applying its triple at once, is the same."""
+
+from collections.abc import Mapping
+from itertools import product
+
+import pytest
+from hypothesis import HealthCheck, event, given, settings
+from hypothesis import strategies as st
+from properties.effects import FEATURES, PARAMETERS, blocks, program
+
+from cdlc.ir.pool import Level, Pool
+from cdlc.ir.symbolic import Executor, Layer, NotModelled, Update
+from crow.evaluate import EvaluationError, assignments_of, evaluate, execute
+from crow.problem import State, World
+from crow.program import BOOL, Hierarchy, Parameter, Statement, Variable
+from crow.program.types import INT64
+
+OBJECTS = (Parameter("a", PARAMETERS[0].type), Parameter("c", PARAMETERS[2].type))
+
+
+@st.composite
+def states(draw: st.DrawFn, world: World) -> State:
+    """A state with a value for every cell."""
+    cells = {}
+    for feature in FEATURES:
+        for arguments in world.cells(feature):
+            if feature.type == BOOL:
+                value: object = draw(st.booleans())
+            elif feature.type == INT64:
+                value = draw(st.integers(-2, 4))
+            else:
+                value = draw(st.sampled_from(world.objects_of(feature.type)))
+            cells[feature.name, arguments] = value
+    return State(cells)
+
+
+def updates_of(effect: tuple[Statement, ...], level: Level) -> tuple[Update, ...]:
+    made = program(effect)
+    pool = Pool(Hierarchy.of(made.types), level)
+    variables = {p.name: pool.variable(p.name, p.type) for p in PARAMETERS}
+    layer = Executor(made, pool).execute(effect, Layer(), variables)
+    return tuple(layer.all_writes())
+
+
+def applied(
+    world: World, state: State, updates: tuple[Update, ...], variables: Mapping[str, object]
+) -> State:
+    """All updates at once: everything reads the state before, later ones win."""
+    changes = {}
+    for update in updates:
+        bound = tuple(Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable))
+        for values in assignments_of(world, bound, variables):
+            if evaluate(world, state, update.guard, values):
+                cell = tuple(evaluate(world, state, a, values) for a in update.arguments)
+                changes[update.feature, cell] = evaluate(world, state, update.value, values)
+    return state.updated(changes)
+
+
+def compare(effect: tuple[Statement, ...], state: State, world: World, level: Level) -> None:
+    try:
+        updates = updates_of(effect, level)
+    except NotModelled as missing:
+        event(f"not modelled: {missing.construct}")
+        return
+    for arguments in product(*(world.objects_of(p.type) for p in PARAMETERS)):
+        variables = dict(zip((p.name for p in PARAMETERS), arguments, strict=True))
+        try:
+            ran = execute(world, state, effect, variables)
+        except EvaluationError as error:
+            event("no value: " + str(error).split("`")[0])
+            continue
+        event("compared")
+        at_once = applied(world, state, updates, variables)
+        assert dict(at_once.cells) == dict(ran.cells), (arguments, effect)
+
+
+WORLD = World.of(program(()), OBJECTS)
+RELAXED = (HealthCheck.too_slow, HealthCheck.data_too_large)
+
+
+@given(blocks(PARAMETERS, 3), states(WORLD), st.sampled_from([Level.NONE, Level.BASIC]))
+@settings(max_examples=500, deadline=None, suppress_health_check=RELAXED)
+def test_effects_equal_triples(effect: tuple[Statement, ...], state: State, level: Level) -> None:
+    compare(effect, state, WORLD, level)
+
+
+@pytest.mark.slow
+@given(blocks(PARAMETERS, 4), states(WORLD), st.sampled_from([Level.NONE, Level.BASIC]))
+@settings(max_examples=20_000, deadline=None, suppress_health_check=RELAXED)
+def test_many_effects_equal_triples(
+    effect: tuple[Statement, ...], state: State, level: Level
+) -> None:
+    compare(effect, state, WORLD, level)
