@@ -1,8 +1,9 @@
 """Annotations: kept in the program; unknown ones are a warning (language.md §2)."""
 
+from crow.program import Annotation
+
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.scope import Context
-from crow.program import Annotation
 
 KNOWN = frozenset(("min", "max", "reads", "max_nested", "tolerance", "pddl"))
 

@@ -3,6 +3,9 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from crow.program import ProblemStatement, Program, Statement
+from crow.program.types import is_number
+
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.check_behaviors import (
@@ -24,8 +27,6 @@ from cdlc.frontend.check_statements import Section, check_block
 from cdlc.frontend.cycles import report_recursion
 from cdlc.frontend.scope import Context, Declarations, Scope
 from cdlc.source import SourceFile
-from crow.program import ProblemStatement, Program, Statement
-from crow.program.types import is_number
 
 
 @dataclass(frozen=True, slots=True)

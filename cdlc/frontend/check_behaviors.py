@@ -2,11 +2,6 @@
 
 from typing import Literal
 
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_expressions import check_condition, check_expression
-from cdlc.frontend.check_statements import Section, check_block, check_sequence
-from cdlc.frontend.scope import Context, Scope
 from crow.program import (
     UNKNOWN,
     Achieve,
@@ -37,6 +32,12 @@ from crow.program import (
     Variable,
 )
 from crow.program.expressions import Apply
+
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_expressions import check_condition, check_expression
+from cdlc.frontend.check_statements import Section, check_block, check_sequence
+from cdlc.frontend.scope import Context, Scope
 
 _SECTIONS = {
     "controller": ("eff",),

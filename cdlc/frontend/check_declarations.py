@@ -3,12 +3,6 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from cdlc.diagnostics import Collector
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_types import check_parameters, resolve_type
-from cdlc.frontend.scope import BUILTIN_FUNCTIONS, Context, Declarations, Signature
-from cdlc.source import SourceFile
 from crow.program import (
     BOOL,
     OBJECT,
@@ -24,6 +18,13 @@ from crow.program import (
     TypeDefinition,
     UnknownType,
 )
+
+from cdlc.diagnostics import Collector
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_types import check_parameters, resolve_type
+from cdlc.frontend.scope import BUILTIN_FUNCTIONS, Context, Declarations, Signature
+from cdlc.source import SourceFile
 
 Sourced = tuple[SourceFile, syntax.Definition]
 

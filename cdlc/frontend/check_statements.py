@@ -4,18 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, cast
 
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_expressions import (
-    check_arguments,
-    check_call,
-    check_condition,
-    check_expression,
-    check_value,
-)
-from cdlc.frontend.check_types import check_not_hiding, check_variables, resolve_type
-from cdlc.frontend.ranges import check_range
-from cdlc.frontend.scope import Context, LocalKind, Scope, is_condition
 from crow.program import (
     INT64,
     UNKNOWN,
@@ -45,6 +33,19 @@ from crow.program import (
     Variable,
 )
 from crow.program.types import is_number
+
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_expressions import (
+    check_arguments,
+    check_call,
+    check_condition,
+    check_expression,
+    check_value,
+)
+from cdlc.frontend.check_types import check_not_hiding, check_variables, resolve_type
+from cdlc.frontend.ranges import check_range
+from cdlc.frontend.scope import Context, LocalKind, Scope, is_condition
 
 SectionKind = Literal["body", "effect", "function", "init"]
 

@@ -1,7 +1,5 @@
 """Types as written to types of the program, and lists of typed names to parameters."""
 
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.scope import Context
 from crow.program import (
     UNKNOWN,
     ListType,
@@ -11,6 +9,9 @@ from crow.program import (
     UnknownType,
     VectorType,
 )
+
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.scope import Context
 
 
 def resolve_type(written: syntax.Type, context: Context) -> Type:

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 
-from cdlc.diagnostics import Collector
-from cdlc.frontend import errors
 from crow.program import Apply, Behavior, Call, Expression, Location, Program, Statement
 from crow.program.walk import expressions_of, statements_within, subexpressions
+
+from cdlc.diagnostics import Collector
+from cdlc.frontend import errors
 
 
 def report_recursion(program: Program, found: Collector) -> None:

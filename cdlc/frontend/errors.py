@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cdlc.diagnostics import Diagnostic, Help, Label, Lint, Replacement, suggest
 from crow.program import Location, Type
+
+from cdlc.diagnostics import Diagnostic, Help, Label, Lint, Replacement, suggest
 
 # ------------------------------------------------------------------------------------ reading files
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from crow.program import Location
 from lark import Token, UnexpectedToken
 from lark.parsers.lalr_interactive_parser import InteractiveParser
 
@@ -10,7 +11,6 @@ from cdlc.frontend import errors, grammar, syntax
 from cdlc.frontend.build import token_span
 from cdlc.frontend.layout import Line, flatten, read_lines
 from cdlc.source import SourceFile, Span
-from crow.program import Location
 
 MAX_LINE = 1_000_000
 # A text with more mistakes in one definition is no CDL; the rest would only bury them.

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from cdlc.diagnostics import Diagnostic, Help, Label, Lint
 from crow.program import Location
+
+from cdlc.diagnostics import Diagnostic, Help, Label, Lint
 
 
 @dataclass(frozen=True, kw_only=True)

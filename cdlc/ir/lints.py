@@ -1,10 +1,11 @@
 """Warnings that need the meaning of a program, not only its types."""
 
+from crow.program import Constant, Not, Program, Read
+from crow.text import expression_text
+
 from cdlc.diagnostics import Collector
 from cdlc.ir.errors import GoalNotEstablished
 from cdlc.ir.hoare import NotModelled, Triple, Update, establishes_goal, triple
-from crow.program import Constant, Not, Program, Read
-from crow.text import expression_text
 
 
 def lint(program: Program, found: Collector) -> None:

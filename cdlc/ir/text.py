@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 
-from cdlc.ir.hoare import Triple, Update
-from cdlc.ir.logic import conjunction
 from crow.program import (
     And,
     Apply,
@@ -25,6 +23,9 @@ from crow.program import (
     Xor,
 )
 from crow.values import shown
+
+from cdlc.ir.hoare import Triple, Update
+from cdlc.ir.logic import conjunction
 
 
 def hoare_text(triples: tuple[Triple, ...]) -> str:

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from cdlc.diagnostics import Diagnostic, Help, Label
 from crow.program import Location
+
+from cdlc.diagnostics import Diagnostic, Help, Label
 
 
 @dataclass(frozen=True, kw_only=True)
