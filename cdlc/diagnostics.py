@@ -107,6 +107,11 @@ class Collector:
             self.found.append(diagnostic)
 
     @property
+    def errors(self) -> int:
+        """How many of them are errors."""
+        return sum(d.severity is Severity.ERROR for d in self.found)
+
+    @property
     def has_errors(self) -> bool:
         """Whether any of them is an error."""
         return any(d.severity is Severity.ERROR for d in self.found)

@@ -166,7 +166,8 @@ class Compilation:
             return None
         domain = [] if domain_file == EMPTY_DOMAIN else list(self.files.definitions(domain_file))
         name = _stem(domain_file)
-        checked = check_problem(source, module, name, domain, self.found)
+        own = list(self.files.definitions(self.problem_file))
+        checked = check_problem(own, name, domain, self.found)
         if checked is None and not self.found.has_errors:
             missing = errors.MissingPart(location=start, part="goal", example="goal: …")
             self.found.add(missing)

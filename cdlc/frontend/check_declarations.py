@@ -21,7 +21,7 @@ from crow.program import (
 
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.annotations import Owner, check_annotations
 from cdlc.frontend.check_types import check_parameters, resolve_type
 from cdlc.frontend.scope import BUILTIN_FUNCTIONS, Context, Declarations, Signature
 from cdlc.source import SourceFile
@@ -48,8 +48,11 @@ def type_definitions(
             continue
         context = Context(source, declared, found)
         location = context.location(node.span)
-        annotations = check_annotations(node.annotations, context)
+        if declared.type_places.get(node.name.text) != context.location(node.name.span):
+            continue
         type_ = declared.types[node.name.text]
+        owner: Owner = "object type" if isinstance(type_, ObjectType) else "value type"
+        annotations = check_annotations(node.annotations, owner, context)
         match type_:
             case ObjectType(name=name):
                 base: Type = ObjectType(declared.parents.get(name, OBJECT.name))
@@ -148,16 +151,18 @@ def _declare_value(node: syntax.Definition, context: Context) -> None:
             declared.functions[name.text] = _function(node, context)
         case syntax.ObjectConstant(names=names):
             type_ = _object_type(node.type, context)
+            annotations = check_annotations(node.annotations, "object constant", context)
             for name in names:
-                declare_object(name, type_, context)
+                if declare_object(name, type_, context):
+                    declared.object_annotations[name.text] = annotations
         case syntax.Procedure(keyword="controller", name=name) if _claim(name, context):
             parameters = check_parameters(node.parameters, context)
             declared.controllers[name.text] = Controller(name.text, parameters, None)
         case syntax.Procedure(keyword="behavior" | "action", name=name) if _claim(name, context):
-            parameters = check_parameters(node.parameters, context)
+            parameters = check_parameters(node.parameters, context, inferred=True)
             declared.behaviors[name.text] = Signature(name.text, parameters)
         case syntax.Procedure(keyword="generator", name=name) if _claim(name, context):
-            parameters = check_parameters(node.parameters, context)
+            parameters = check_parameters(node.parameters, context, inferred=True)
             declared.generators[name.text] = Signature(name.text, parameters)
         case _:
             return
@@ -203,14 +208,15 @@ def _feature(node: syntax.Feature, context: Context) -> Feature:
     for index, (written, parameter) in enumerate(zip(node.parameters, parameters, strict=True)):
         if written.type is not None and not isinstance(parameter.type, ObjectType | UnknownType):
             location = context.location(written.type.span)
-            context.found.add(errors.NotAnObjectType(location=location, type=parameter.type))
+            context.found.add(errors.ValueIndex(location=location, type=parameter.type))
             unknown = replace(parameter, type=UnknownType())
             parameters = (*parameters[:index], unknown, *parameters[index + 1 :])
+    type_ = BOOL if node.type is None else resolve_type(node.type, context)
     return Feature(
         node.name.text,
         parameters,
-        BOOL if node.type is None else resolve_type(node.type, context),
-        annotations=check_annotations(node.annotations, context),
+        type_,
+        annotations=check_annotations(node.annotations, "feature", context, type_),
         location=context.location(node.name.span),
     )
 
@@ -221,7 +227,6 @@ def _function(node: syntax.Function, context: Context) -> Function:
         check_parameters(node.parameters, context),
         BOOL if node.type is None else resolve_type(node.type, context),
         None,
-        annotations=check_annotations(node.annotations, context),
         location=context.location(node.name.span),
     )
 
@@ -229,7 +234,13 @@ def _function(node: syntax.Function, context: Context) -> Function:
 def constants(declared: Declarations) -> tuple[ObjectConstant, ...]:
     """The object constants declared so far, in source order."""
     return tuple(
-        ObjectConstant(o.name, o.type, location=o.location) for o in declared.objects.values()
+        ObjectConstant(
+            o.name,
+            o.type,
+            annotations=declared.object_annotations.get(o.name, ()),
+            location=o.location,
+        )
+        for o in declared.objects.values()
     )
 
 

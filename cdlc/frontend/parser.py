@@ -201,6 +201,9 @@ def _report(
     if token.type == "RESERVED":
         found.add(errors.ReservedWord(location=location, word=str(token)))
         return
+    if token.type == "ELLIPSIS":
+        found.add(errors.Elision(location=location))
+        return
     first = line.tokens[0]
     if first.type == "NAME" and first == "while":
         found.add(errors.WhileLoop(location=source.location(token_span(first))))
