@@ -65,7 +65,9 @@ class Compilation:
         """The typed program, with the problem if there is one. Reports every mistake."""
         checked = self._check_problem() if self.problem_file else self._check_domain()
         if checked is not None and not self.found.has_errors:
-            lint(_domain_of(checked).program, self.found)
+            problem = checked.problem if isinstance(checked, CheckedProblem) else None
+            included = frozenset(self.files.included)
+            lint(_domain_of(checked).program, self.found, problem, included)
         self._stop_at_errors()
         assert checked is not None
         return checked

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 
-from crow.program import Apply, Behavior, Call, Function, Location, Program, Statement
+from crow.program import Apply, Behavior, Call, Function, Location, Program
 from crow.program.walk import expressions_of, statements_within, subexpressions
 
 from cdlc.diagnostics import Collector
@@ -44,9 +44,7 @@ def _applications(function: Function) -> Iterator[tuple[str, Location | None]]:
 
 
 def _calls(behavior: Behavior) -> Iterator[tuple[str, Location | None]]:
-    members: tuple[Statement, ...] = ()
-    if behavior.promotable is not None:
-        members = behavior.promotable.members
+    members = () if behavior.promotable is None else behavior.promotable.members
     for statement in statements_within((*behavior.left, *members, *behavior.right)):
         if isinstance(statement, Call):
             yield statement.behavior, statement.location

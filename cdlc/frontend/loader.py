@@ -26,6 +26,7 @@ class Files:
     read_standard_input: Callable[[], bytes]
     sources: dict[str, SourceFile] = field(default_factory=dict)
     modules: dict[str, syntax.Module] = field(default_factory=dict)
+    included: set[str] = field(default_factory=set)
 
     def load(self, name: str, wanted_by: Location | None = None) -> syntax.Module | None:
         """Read and parse a file once; None, with a diagnostic, when it cannot be read."""
@@ -54,6 +55,7 @@ class Files:
                 whole = (*chain, name, path)
                 self.found.add(errors.IncludeCycle(location=location, chain=whole))
             elif self.load(path, location) is not None:
+                self.included.add(path)
                 yield from self.definitions(path, (*chain, name))
 
     def read(self, name: str, wanted_by: Location | None = None) -> SourceFile | None:
