@@ -94,13 +94,15 @@ def check_generator(node: syntax.Procedure, context: Context) -> Generator | Non
     scope = _scope_of(signature.parameters)
     sections = _by_name(node, context)
     goal = _goal(sections.get("goal"), scope, context, is_generator=True)
-    names = {"in": (), "out": ()} | {
-        word: _directions(sections.get(word), scope, context) for word in ("in", "out")
-    }
+    location = context.location(node.name.span)
+    names = {word: _directions(sections.get(word), scope, context) for word in ("in", "out")}
     if goal is None:
-        location = context.location(node.name.span)
         context.found.add(errors.MissingSection(location=location, section="goal"))
         return None
+    if not names["out"] and not _has_error_section(node):
+        context.found.add(errors.MissingSection(location=location, section="out"))
+    elif all(scope.get(name) is not None for name in (*names["in"], *names["out"])):
+        _check_directions(signature.parameters, names, context)
     return Generator(
         node.name.text,
         signature.parameters,
@@ -252,6 +254,22 @@ def _directions(section: syntax.Section | None, scope: Scope, context: Context) 
                 )
             )
     return tuple(name.text for name in section.names)
+
+
+def _check_directions(
+    parameters: tuple[Parameter, ...], names: dict[str, tuple[str, ...]], context: Context
+) -> None:
+    """Each parameter of a generator is an input or an output."""
+    for parameter in parameters:
+        known, found = parameter.name in names["in"], parameter.name in names["out"]
+        if known == found and parameter.location is not None:
+            context.found.add(
+                errors.BadDirection(location=parameter.location, name=parameter.name, is_both=known)
+            )
+
+
+def _has_error_section(node: syntax.Procedure) -> bool:
+    return any(isinstance(section, syntax.ErrorStatement) for section in node.sections)
 
 
 # -------------------------------------------------------------------------------------------- goal

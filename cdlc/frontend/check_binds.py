@@ -84,8 +84,9 @@ def _bind_to(
     if len(variables) > 1:
         return Bind(variables, check_condition(node, scope, context), location=location)
     value = check_expression(node, scope, context, last.type)
-    is_unknown = isinstance(last.type, UnknownType)
-    if is_condition(value.type) and (is_unknown or not is_condition(last.type)):
+    if isinstance(last.type, UnknownType):
+        return Bind(variables, value, location=location)
+    if is_condition(value.type) and not is_condition(last.type):
         return Bind(variables, value, location=location)
     if bind.form == "call" and value.type != BOOL:
         _report(value, "`bool`", last, context)

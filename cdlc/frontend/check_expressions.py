@@ -93,13 +93,16 @@ def check_expression(
     """The typed form of an expression; `expected` guides vector literals only."""
     context.depth += 1
     try:
-        if context.depth > MAX_DEPTH:
+        if context.depth <= MAX_DEPTH:
+            return _check(node, scope, context, expected)
+        if not context.is_too_deep:
             location = context.location(node.span)
             context.found.add(errors.NestingTooDeep(location=location, limit=MAX_DEPTH))
-            return _error(node, context)
-        return _check(node, scope, context, expected)
+        context.is_too_deep = True
+        return _error(node, context)
     finally:
         context.depth -= 1
+        context.is_too_deep = context.is_too_deep and context.depth > 0
 
 
 def _check(node: syntax.Expression, scope: Scope, context: Context, expected: Type) -> Expression:

@@ -83,6 +83,7 @@ def introduce(
     variables: tuple[Parameter, ...], kind: LocalKind, scope: Scope, context: Context
 ) -> Scope:
     """Add variables to the scope, warning of earlier ones they shadow."""
+    inner = scope
     for variable in variables:
         earlier = scope.get(variable.name)
         if earlier is not None and variable.location is not None:
@@ -93,8 +94,8 @@ def introduce(
                     first=earlier.variable.location,
                 )
             )
-        scope = scope.add(variable, kind)
-    return scope
+        inner = inner.add(variable, kind)
+    return inner
 
 
 def _parameter(

@@ -1253,9 +1253,40 @@ class ReturnInForeach(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class MissingSection(Diagnostic):
-    """A generator without a goal: what it generates values for is not said."""
+    """A generator without a section it needs.
+
+        generator sample(o: Object, g: Grasp):
+          in: o
+          out: g
+
+    `goal:` says which constraint it finds values for, and `out:` which values it yields.
+    """
 
     section: str
 
     def message(self) -> str:
         return f"there is no `{self.section}:`"
+
+
+@dataclass(frozen=True, kw_only=True)
+class BadDirection(Diagnostic):
+    """A parameter of a generator that is neither input nor output, or both.
+
+        generator invert_f(x, y, z):
+          goal: f(x, y) == z
+          in: z
+          out: x
+
+    List every parameter once, after `in:` if its value is given or after `out:` if it is found.
+    """
+
+    name: str
+    is_both: bool
+
+    def message(self) -> str:
+        if self.is_both:
+            return f"`{self.name}` is both an input and an output"
+        return f"`{self.name}` is neither an input nor an output"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("list it once, after `in:` if it is given or after `out:` if it is found"),)

@@ -180,6 +180,7 @@ class Context:
     declarations: Declarations
     found: Collector
     depth: int = 0
+    is_too_deep: bool = False
 
     def location(self, span: Span) -> Location:
         """A span of this file in lines and columns."""
