@@ -242,7 +242,7 @@ class UnusedVariable(Lint):
 
 @dataclass(frozen=True, kw_only=True)
 class UnusedDefinition(Lint):
-    """A feature, function, controller or type that nothing uses.
+    """A feature, derived function, controller or type that nothing uses.
 
         feature on_tabel(x: block)       # the behaviors mention `on_table`
 

@@ -2,6 +2,7 @@
 
 import operator
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from crow.program import (
@@ -91,10 +92,29 @@ def _comparison(node: Compare, hierarchy: Hierarchy) -> Expression:
             if same in (TRUE, FALSE):
                 return same if node.operator == "==" else negation(same)
             return node
+        case _ if left == right:
+            return truth(node.operator in ("==", "<=", ">="))
+        case Conditional(condition=condition, then=then, otherwise=otherwise), _:
+            branches = (replace(node, left=then), replace(node, left=otherwise))
+            return _branching(node, condition, branches, hierarchy)
+        case _, Conditional(condition=condition, then=then, otherwise=otherwise):
+            branches = (replace(node, right=then), replace(node, right=otherwise))
+            return _branching(node, condition, branches, hierarchy)
         case _:
-            if left == right:
-                return truth(node.operator in ("==", "<=", ">="))
             return node
+
+
+def _branching(
+    node: Compare,
+    condition: Expression,
+    branches: tuple[Compare, Compare],
+    hierarchy: Hierarchy,
+) -> Expression:
+    """A comparison with a conditional value, taken apart where that decides one of its branches."""
+    then, otherwise = (_comparison(branch, hierarchy) for branch in branches)
+    if {then, otherwise} & {TRUE, FALSE}:
+        return choice(condition, then, otherwise)
+    return node
 
 
 def _are_alike(left: Scalar, right: Scalar) -> bool:

@@ -1,7 +1,7 @@
 """Definitions: names, types, annotations, sections (language.md §2)."""
 
 import pytest
-from checking import PRELUDE, codes, diagnose, program
+from cases import PRELUDE, codes, diagnose, program
 
 TYPES = [
     ("typedef T", []),

@@ -1,7 +1,7 @@
 """Expressions: which types fit where (language.md §4)."""
 
 import pytest
-from checking import condition, value
+from cases import condition, value
 
 ACCEPTED_VALUES = [
     # numbers promote from int to float

@@ -1,7 +1,7 @@
 """Untyped parameters of behaviors and generators (language.md §4)."""
 
 import pytest
-from checking import PRELUDE, codes, diagnose, program
+from cases import PRELUDE, codes, diagnose, program
 
 INFERRED = [
     ("goal: clear(x)", "block"),

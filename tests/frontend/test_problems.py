@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from checking import PRELUDE
+from cases import PRELUDE
 
 import cdlc
 from cdlc.diagnostics import Diagnostic

@@ -1,7 +1,7 @@
 """Statements: where they may stand and what they may hold (language.md §3 and §5)."""
 
 import pytest
-from checking import PRELUDE, body, codes, diagnose, effect
+from cases import PRELUDE, body, codes, diagnose, effect
 
 BODIES = [
     ("achieve clear(x)", []),
@@ -150,7 +150,7 @@ FOREACH = [
     ("foreach z: block:\n  for i in range(3):\n    count += i", ["write-conflict"]),
     ("foreach z: block:\n  size[x] = size(z)", ["possible-write-conflict"]),
     ("foreach z: block:\n  let n = size(z)\n  size[x] = n", ["possible-write-conflict"]),
-    ("foreach z: block:\n  foreach w: block:\n    clear[z] = on(z, w)", ["possible-write-conflict"]),
+    ("foreach z, w: block:\n  clear[z] = on(z, w)", ["possible-write-conflict"]),
     ("foreach z: block:\n  let n = 0.0\n  if clear(z):\n    n = 1.0\n  size[x] = n",
      ["possible-write-conflict"]),
 ]  # fmt: skip
@@ -210,7 +210,8 @@ PROMOTABLE = [
     ("promotable:\n  achieve clear(x)\n  assert clear(y)", []),
     ("promotable sequential:\n  achieve clear(x)\n  pick(x)\ndo pick(y)", []),
     ("bind z: block where: on(x, z)\npromotable:\n  achieve clear(z)", []),
-    ("promotable:\n  foreach z: block:\n    achieve clear(z)\n  if clear(x):\n    achieve clear(y)", []),
+    ("promotable:\n  foreach z: block:\n    achieve clear(z)", []),
+    ("promotable:\n  if clear(x):\n    achieve clear(y)", []),
     ("promotable:\n  do pick(x)\n  achieve clear(x)", ["not-promotable"]),
     ("promotable:\n  bind z: block where: on(x, z)\n  achieve clear(z)", ["not-promotable"]),
     ("promotable:\n  let n = 1\n  assert n > 0", ["not-promotable"]),

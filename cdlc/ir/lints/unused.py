@@ -112,8 +112,9 @@ def _names_in(owner: Behavior | Function | Controller) -> set[str]:
 def unused_definitions(subject: Subject, found: Collector) -> None:
     """Report features, functions, controllers and types that nothing uses.
 
-    Quiet in a fragment, in files that are included or hold no behavior (libraries), and about kinds
-    of a type that is used, whose objects problems declare.
+    Quiet in a fragment, in files that are included or hold no behavior (libraries), about kinds of
+    another type, whose objects problems declare, and about external functions, which programs
+    share with their Python.
     """
     if subject.is_fragment:
         return
@@ -122,7 +123,8 @@ def unused_definitions(subject: Subject, found: Collector) -> None:
     types = set(_used_types(subject))
     program = subject.program
     definitions: tuple[Definition, ...] = (
-        *program.types, *program.features, *program.functions, *program.controllers
+        *program.types, *program.features, *program.controllers,
+        *(f for f in program.functions if f.body is not None),
     )  # fmt: skip
     for definition in definitions:
         is_used = definition.name in (types if isinstance(definition, TypeDefinition) else used)
