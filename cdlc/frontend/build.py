@@ -23,7 +23,8 @@ def _span(first: Any, last: Any = None) -> Span:
     return Span(start.start, end.end)
 
 
-def _string(token: Token) -> str:
+def string_value(token: Token) -> str:
+    """The text a string token stands for."""
     try:
         return cast("str", ast.literal_eval(str(token)))
     except (SyntaxError, ValueError):  # an escape Python does not know: take it as it stands
@@ -92,7 +93,7 @@ class Builder(Transformer[Token, Any]):
         return syntax.Literal(float(token), span=token_span(token))
 
     def string(self, token: Token) -> syntax.Expression:
-        return syntax.Literal(_string(token), span=token_span(token))
+        return syntax.Literal(string_value(token), span=token_span(token))
 
     def true(self, token: Token) -> syntax.Expression:
         return syntax.Literal(True, span=token_span(token))  # noqa: FBT003 - a value
@@ -181,6 +182,9 @@ class Builder(Transformer[Token, Any]):
 
     def error(self, token: Token) -> syntax.ErrorStatement:
         return syntax.ErrorStatement(span=token_span(token))
+
+    def broken_block(self, token: Token, _statements: Any) -> syntax.ErrorStatement:
+        return self.error(token)
 
     # annotations
 
@@ -325,10 +329,10 @@ class Builder(Transformer[Token, Any]):
     # definitions
 
     def title(self, word: Token, text: Token) -> syntax.Definition:
-        return syntax.Title(cast("Any", str(word)), _string(text), span=_span(word, text))
+        return syntax.Title(cast("Any", str(word)), string_value(text), span=_span(word, text))
 
     def include(self, word: Token, path: Token) -> syntax.Definition:
-        return syntax.Include(_string(path), span=_span(word, path))
+        return syntax.Include(string_value(path), span=_span(word, path))
 
     def typedef(
         self, word: Token, annotations: Any, name: syntax.Name, base: syntax.Type | None

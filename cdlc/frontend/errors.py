@@ -340,6 +340,17 @@ class Elision(Diagnostic):
 
 # -------------------------------------------------------------------------------------------- names
 
+# What is a literal or an object elsewhere, with its CDL spelling and advice.
+_OTHER_LITERALS: dict[str, tuple[str | None, str]] = {
+    "true": ("True", "write `True`"),
+    "false": ("False", "write `False`"),
+    **dict.fromkeys(
+        ("None", "null", "nil"),
+        (None, "there is no such value: every feature has one of its type"),
+    ),
+    "self": (None, "there is no `self`; a behavior reads features of its parameters"),
+}
+
 
 @dataclass(frozen=True, kw_only=True)
 class UnknownName(Diagnostic):
@@ -361,7 +372,13 @@ class UnknownName(Diagnostic):
     def label(self) -> str:
         return "not defined"
 
+    def missing_name(self) -> str | None:
+        return self.name
+
     def help(self) -> tuple[Help, ...]:
+        if self.name in _OTHER_LITERALS:
+            literal, text = _OTHER_LITERALS[self.name]
+            return (Help(text, None if literal is None else Replacement(self.location, literal)),)
         return suggest(self.name, list(self.known), self.location)
 
 
