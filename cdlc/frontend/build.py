@@ -31,6 +31,11 @@ def string_value(token: Token) -> str:
         return str(token)[1:-1]
 
 
+def _integer(token: Token) -> int:
+    # More digits than any width holds; int() is quadratic and Python refuses over 4,300.
+    return int(token) if len(token) <= 40 else 10**40
+
+
 @v_args(inline=True)
 class Builder(Transformer[Token, Any]):
     """Callbacks of the LALR parser; stateless, so one instance serves every thread."""
@@ -51,7 +56,7 @@ class Builder(Transformer[Token, Any]):
     def vector_type(
         self, name: syntax.Name, element: syntax.Type, n: Token | None = None
     ) -> syntax.Type:
-        length = None if n is None else int(n)
+        length = None if n is None else _integer(n)
         return syntax.VectorType(name, element, length, span=_span(name, n or element))
 
     def list_of_named(self, name: syntax.Name) -> syntax.Type:
@@ -85,9 +90,7 @@ class Builder(Transformer[Token, Any]):
     # expressions
 
     def integer(self, token: Token) -> syntax.Expression:
-        # More digits than any width holds; int() is quadratic and Python refuses over 4,300.
-        value = int(token) if len(token) <= 40 else 10**40
-        return syntax.Literal(value, span=token_span(token))
+        return syntax.Literal(_integer(token), span=token_span(token))
 
     def float(self, token: Token) -> syntax.Expression:
         return syntax.Literal(float(token), span=token_span(token))
@@ -102,7 +105,7 @@ class Builder(Transformer[Token, Any]):
         return syntax.Literal(False, span=token_span(token))  # noqa: FBT003 - a value
 
     def negative_integer(self, minus: Token, token: Token) -> syntax.Expression:
-        return syntax.Literal(-int(token), span=_span(minus, token))
+        return syntax.Literal(-_integer(token), span=_span(minus, token))
 
     def negative_float(self, minus: Token, token: Token) -> syntax.Expression:
         return syntax.Literal(-float(token), span=_span(minus, token))

@@ -23,12 +23,13 @@ MAX_BLOCKS = 100
 class Line:
     """A logical line and the lines indented under it.
 
-    A line that cannot be read `is_broken` and stands as one ERROR token; its block is then left
+    `level` counts the blocks it stands in. A line that cannot be read `is_broken` and stands as one ERROR token; its block is then left
     out, unless `keeps_block` says to read it for the mistakes in it.
     """
 
     tokens: list[Token]
     indentation: int = 0
+    level: int = 0
     block: list["Line"] = field(default_factory=list)
     is_broken: bool = False
     keeps_block: bool = False
@@ -45,15 +46,13 @@ def read_lines(source: SourceFile, tokens: Iterable[Token], found: Collector) ->
     Reports tabs in indentation, dedents to no enclosing level, brackets without partner and too
     deep nesting to `found`.
     """
-    top: list[Line] = []
-    open_blocks: list[tuple[int, list[Line]]] = [(0, top)]
+    blocks = _Blocks(source, found)
     for line in _logical_lines(match_brackets(source, list(tokens), found)):
         line.indentation = _indentation(source, line.tokens[0], found)
         if line.is_broken:
             found.forgive_names(names_of(line))
-        if not _place(line, open_blocks, source, found):
-            break
-    return top
+        blocks.place(line)
+    return blocks.top
 
 
 def flatten(line: Line) -> Iterator[tuple[Token, Line]]:
@@ -85,7 +84,7 @@ def _own_tokens(line: Line) -> Iterator[tuple[Token, Line]]:
 
 
 def names_of(line: Line) -> Iterator[str]:
-    """The words of a line and of its block."""
+    """The words of a line and of its block; they may be what it was to define."""
     pending = [line]
     while pending:
         item = pending.pop()
@@ -123,36 +122,60 @@ def _logical_lines(matched: Brackets) -> Iterator[Line]:
 def _indentation(source: SourceFile, token: Token, found: Collector) -> int:
     column = token.column or 1
     start = token_span(token).start
-    leading = source.text[start - column + 1 : start]
+    leading = source.text[start - column + 1 : start].rpartition("\f")[2]
     if "\t" in leading:
-        span = Span(start - column + 1, start)
+        span = Span(start - len(leading), start)
         found.add(errors.TabInIndentation(location=source.location(span), text=leading))
     return len(leading.expandtabs(8))
 
 
-def _place(
-    line: Line, open_blocks: list[tuple[int, list[Line]]], source: SourceFile, found: Collector
-) -> bool:
-    """Add a line to the block its indentation says; False when blocks nest too deep."""
-    while line.indentation < open_blocks[-1][0]:
-        indentation, _ = open_blocks.pop()
-        if line.indentation > open_blocks[-1][0]:
-            location = source.location(line.span)
-            levels = tuple(level for level, _ in (*open_blocks, (indentation, None)))
-            found.add(errors.InconsistentIndentation(location=location, levels=levels))
-            open_blocks.append((line.indentation, _))
-    indentation, block = open_blocks[-1]
-    if line.indentation > indentation:
-        if not block:  # the first line of the file is indented
-            open_blocks[-1] = (line.indentation, block)
-            found.add(errors.UnexpectedIndentation(location=source.location(line.span)))
-        else:
+@dataclass(slots=True)
+class _Blocks:
+    """The blocks that are open while lines are put into them, each with its indentation."""
+
+    source: SourceFile
+    found: Collector
+    top: list[Line] = field(default_factory=list)
+    open: list[tuple[int, list[Line]]] = field(default_factory=list)
+    is_too_deep: bool = False
+
+    def place(self, line: Line) -> None:
+        """Add a line to the block its indentation says."""
+        if not self.open:
+            self._start(line)
+        self._close(line)
+        indentation, block = self.open[-1]
+        if line.indentation > indentation:
+            if len(self.open) > MAX_BLOCKS:
+                self._leave_out(line, block[-1])
+                return
             block = block[-1].block
-            open_blocks.append((line.indentation, block))
-            if len(open_blocks) > MAX_BLOCKS:
-                location = source.location(line.span)
-                found.add(errors.NestingTooDeep(location=location, limit=MAX_BLOCKS))
-                found.forgive_names()
-                return False
-    block.append(line)
-    return True
+            self.open.append((line.indentation, block))
+        line.level = len(self.open)
+        block.append(line)
+
+    def _start(self, line: Line) -> None:
+        self.open.append((line.indentation, self.top))
+        if line.indentation > 0:
+            location = self.source.location(line.span)
+            self.found.add(errors.UnexpectedIndentation(location=location))
+
+    def _close(self, line: Line) -> None:
+        """Leave the blocks that a line is indented less than."""
+        while line.indentation < self.open[-1][0]:
+            indentation, block = self.open.pop()
+            if not self.open:
+                self.open.append((line.indentation, block))
+            elif line.indentation > self.open[-1][0]:
+                levels = (*(level for level, _ in self.open), indentation)
+                location = self.source.location(line.span)
+                self.found.add(errors.InconsistentIndentation(location=location, levels=levels))
+                self.open.append((line.indentation, block))
+
+    def _leave_out(self, line: Line, owner: Line) -> None:
+        owner.is_broken = True
+        self.found.forgive_names(names_of(line))
+        if not self.is_too_deep:
+            location = self.source.location(line.span)
+            self.found.add(errors.NestingTooDeep(location=location, limit=MAX_BLOCKS))
+            self.is_too_deep = True

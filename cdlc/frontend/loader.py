@@ -1,5 +1,10 @@
 """Files to definitions: reading, `include`, and the domain that a problem file names."""
 
+import codecs
+import errno
+import os
+import re
+import stat
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +19,8 @@ from cdlc.source import SourceFile
 
 EMPTY_DOMAIN = "__empty__"
 STANDARD_INPUT = "-"
+# A generated problem of a million facts is a tenth of it.
+MAX_BYTES = 200_000_000
 
 _START = (1, 1, 1, 1)
 
@@ -34,6 +41,7 @@ class Files:
             return self.modules[name]
         source = self.read(name, wanted_by)
         if source is None:
+            self.found.forgive_names()
             return None
         before = len(self.found.found)
         module = parse(source, self.found)
@@ -66,39 +74,54 @@ class Files:
         return source
 
     def _read(self, name: str, wanted_by: Location | None) -> SourceFile | None:
-        location = Location(name, *_START)
         try:
-            data = self.read_standard_input() if name == STANDARD_INPUT else Path(name).read_bytes()
+            data = self.read_standard_input() if name == STANDARD_INPUT else _read_regular(name)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            self.found.add(
-                errors.UnreadableFile(location=location, reason=reason, wanted_by=wanted_by)
-            )
-            return None
-        except ValueError:  # a NUL in the name
-            self.found.add(
-                errors.UnreadableFile(
-                    location=location, reason="not a file name", wanted_by=wanted_by
-                )
-            )
-            return None
-        return _decode(name, data, self.found)
+        except ValueError:  # a NUL or a surrogate in the name
+            reason = "not a file name"
+        else:
+            if len(data) <= MAX_BYTES:
+                return _decode(name, data, self.found)
+            reason = f"over {MAX_BYTES // 1_000_000} MB"
+        location = Location(name, *_START)
+        self.found.add(errors.UnreadableFile(location=location, reason=reason, wanted_by=wanted_by))
+        return None
+
+
+def _read_regular(name: str) -> bytes:
+    """The bytes of a regular file, one more than are allowed at most; others may never end."""
+    # Opening a FIFO would wait for a writer.
+    descriptor = os.open(name, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    with open(descriptor, "rb") as file:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if not stat.S_ISREG(mode):
+            raise OSError(errno.EINVAL, "not a regular file")
+        return file.read(MAX_BYTES + 1)
 
 
 def _decode(name: str, data: bytes, found: Collector) -> SourceFile | None:
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        found.add(errors.NotText(location=Location(name, *_START), reason="it is UTF-16"))
+        return None
     if b"\0" in data:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
         location = Location(name, line, 1, line, 1)
         found.add(errors.NotText(location=location, reason="it contains a NUL character"))
         return None
     try:
-        return SourceFile(name, data.decode("utf-8-sig"))
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        column = error.start - (data.rfind(b"\n", 0, error.start) + 1) + 1
+        start = data.rfind(b"\n", 0, error.start) + 1
+        line = data.count(b"\n", 0, start) + 1
+        column = len(data[start : error.start].decode("utf-8", "replace")) + 1
         location = Location(name, line, column, line, column + 1)
         found.add(errors.NotText(location=location, reason="it is not UTF-8"))
         return None
+    # Lines may end as on old Macs; offsets stay what they are.
+    return SourceFile(name, re.sub("\r(?!\n)", "\n", text) if "\r" in text else text)
 
 
 def beside(name: str, path: str) -> str:

@@ -6,7 +6,7 @@ understood is still checked.
 """
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from lark import Token, UnexpectedToken
@@ -14,6 +14,7 @@ from lark import Token, UnexpectedToken
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, grammar, syntax
 from cdlc.frontend.build import string_value, token_span
+from cdlc.frontend.depth import MAX_DEPTH, too_deep
 from cdlc.frontend.layout import Line, flatten, names_of, read_lines
 from cdlc.frontend.mistakes import HEADERS, SECTIONS, STATEMENTS, Unexpected, correct, report
 from cdlc.source import SourceFile, Span
@@ -168,7 +169,19 @@ class _Reader:
                 result = parser.feed_token(token)
             except UnexpectedToken:
                 return Unexpected(self.source, stream, index, _accepted(start, stream[:index]))
+        if any(len(line.tokens) + line.level > MAX_DEPTH for line in _all(lines)):
+            return self._bounded(result, lines)
         return result
+
+    def _bounded(self, tree: Tree, lines: list[Line]) -> Tree:
+        """The tree, or an error where it is too deep to be worked with."""
+        span = too_deep(tree)
+        if span is None:
+            return tree
+        self.found.add(
+            errors.NestingTooDeep(location=self.source.location(span), limit=MAX_DEPTH)
+        )
+        return self._give_up(lines)
 
     def _give_up(self, lines: list[Line]) -> syntax.Definition:
         """A definition that cannot be read: the names in it may be what it was to define."""
@@ -312,6 +325,14 @@ def _stub(line: Line) -> Iterable[Token]:
 def _is_section(line: Line) -> bool:
     kinds = [token.type for token in line.tokens[:2]]
     return len(kinds) == 2 and kinds[0] in SECTIONS and kinds[1] == "COLON"
+
+
+def _all(lines: list[Line]) -> Iterator[Line]:
+    pending = list(lines)
+    while pending:
+        line = pending.pop()
+        pending.extend(line.block)
+        yield line
 
 
 def _siblings(line: Line, lines: list[Line]) -> list[Line]:
