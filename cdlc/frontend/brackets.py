@@ -25,7 +25,16 @@ _STATEMENTS = frozenset(
 )  # fmt: skip
 _SECTIONS = frozenset(("GOAL", "BODY", "EFF", "IN", "OUT", "OBJECTS", "INIT", "MINIMIZE"))
 _DEFINITIONS = frozenset(
-    ("TYPEDEF", "OBJECT_CONSTANT", "FEATURE", "DEF", "CONTROLLER", "BEHAVIOR", "ACTION", "GENERATOR")
+    (
+        "TYPEDEF",
+        "OBJECT_CONSTANT",
+        "FEATURE",
+        "DEF",
+        "CONTROLLER",
+        "BEHAVIOR",
+        "ACTION",
+        "GENERATOR",
+    )
 )
 _TITLES = frozenset(("DOMAIN", "PROBLEM", "INCLUDE"))
 # What may follow the first word of a definition; in an expression a name never does.

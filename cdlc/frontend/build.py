@@ -148,11 +148,11 @@ class Builder(Transformer[Token, Any]):
     def negative(self, minus: Token, operand: syntax.Expression) -> syntax.Expression:
         return syntax.Unary("-", operand, span=_span(minus, operand))
 
-    def and_(self, left: syntax.Expression, right: syntax.Expression) -> syntax.Expression:
-        return _connective("and", left, right)
+    def and_(self, *operands: syntax.Expression) -> syntax.Expression:
+        return _connective("and", operands)
 
-    def or_(self, left: syntax.Expression, right: syntax.Expression) -> syntax.Expression:
-        return _connective("or", left, right)
+    def or_(self, *operands: syntax.Expression) -> syntax.Expression:
+        return _connective("or", operands)
 
     def xor(self, left: syntax.Expression, right: syntax.Expression) -> syntax.Expression:
         return syntax.Binary("^", left, right, span=_span(left, right))
@@ -419,13 +419,13 @@ def _expression(node: Any) -> syntax.Expression:
     return cast("syntax.Expression", node)
 
 
-def _connective(
-    operator: Any, left: syntax.Expression, right: syntax.Expression
-) -> syntax.Expression:
-    span = _span(left, right)
-    if isinstance(left, syntax.Connective) and left.operator == operator:
-        return syntax.Connective(operator, (*left.operands, right), span=span)
-    return syntax.Connective(operator, (left, right), span=span)
+def _connective(operator: Any, operands: tuple[syntax.Expression, ...]) -> syntax.Expression:
+    """`a and b and …` as one node, also where the first part is in parentheses."""
+    span = _span(operands[0], operands[-1])
+    first = operands[0]
+    if isinstance(first, syntax.Connective) and first.operator == operator:
+        operands = (*first.operands, *operands[1:])
+    return syntax.Connective(operator, operands, span=span)
 
 
 def _annotate(statement: syntax.Annotated, annotations: tuple[syntax.Annotation, ...]) -> Any:

@@ -52,23 +52,60 @@ def _calls(behavior: Behavior) -> Iterator[tuple[str, Location | None]]:
 
 def _cycles(calls: Calls) -> Iterator[tuple[str, ...]]:
     """The circles in a call graph, each from its first definition back to it."""
+    names = {name: tuple(called for called, _ in targets) for name, targets in calls.items()}
+    inner = _peeled(_turned(_peeled(names)))
     reported: set[str] = set()
     for start in calls:
-        chain = _way_back(start, calls)
+        if start in reported or start not in inner:
+            continue
+        chain = _way_back(start, names)
         if chain is not None and not reported & set(chain):
             reported |= set(chain)
             yield chain
 
 
-def _way_back(start: str, calls: Calls) -> tuple[str, ...] | None:
+Graph = Mapping[str, tuple[str, ...]]
+
+
+def _peeled(graph: Graph) -> Graph:
+    """What is left of a graph when all that lead nowhere are taken away, again and again."""
+    callers = _turned(graph)
+    open_ends = {name: sum(c in graph for c in called) for name, called in graph.items()}
+    pending = [name for name, count in open_ends.items() if count == 0]
+    for name in pending:
+        for caller in callers[name]:
+            open_ends[caller] -= 1
+            if open_ends[caller] == 0:
+                pending.append(caller)
+    gone = set(pending)
+    return {name: called for name, called in graph.items() if name not in gone}
+
+
+def _turned(graph: Graph) -> Graph:
+    callers: dict[str, list[str]] = {name: [] for name in graph}
+    for name, called in graph.items():
+        for target in called:
+            if target in callers:
+                callers[target].append(name)
+    return {name: tuple(listed) for name, listed in callers.items()}
+
+
+def _way_back(start: str, graph: Graph) -> tuple[str, ...] | None:
     """A shortest chain of calls from a definition to itself."""
-    chains: dict[str, tuple[str, ...]] = {start: (start,)}
+    came_from: dict[str, str] = {}
     pending = [start]
     for name in pending:
-        for called, _ in calls.get(name, ()):
-            if called == start:
-                return (*chains[name], start)
-            if called not in chains:
-                chains[called] = (*chains[name], called)
+        for called in graph.get(name, ()):
+            if called not in came_from:
+                came_from[called] = name
                 pending.append(called)
+            if called == start:
+                return (*_chain(start, name, came_from), start)
     return None
+
+
+def _chain(start: str, end: str, came_from: Mapping[str, str]) -> tuple[str, ...]:
+    chain = [end]
+    while chain[-1] != start:
+        chain.append(came_from[chain[-1]])
+    return tuple(reversed(chain))

@@ -288,7 +288,7 @@ def _hint(wrong: Unexpected) -> str | None:
 def _hint_for_token(wrong: Unexpected) -> str | None:
     token, previous = wrong.token, wrong.previous
     match token.type, previous.type:
-        case ("FORALL" | "EXISTS"), _ if "NAME" in wrong.accepted:
+        case (("FORALL" | "EXISTS"), _) if "NAME" in wrong.accepted:
             return "a quantifier in the middle of an expression needs parentheses around it"
         case "NAME", "NAME" if "COLON" in wrong.accepted and "COMMA" in wrong.accepted:
             return "a parameter is written `name: type`"
@@ -300,7 +300,7 @@ def _hint_for_token(wrong: Unexpected) -> str | None:
             return "compare with `==`"
         case "COLON", "RPAR" if wrong.line.tokens[0].type in ("FEATURE", "CONTROLLER"):
             return "the type of its value follows `->`"
-        case ("PLUS" | "MINUS"), _ if wrong.following == token.type:
+        case (("PLUS" | "MINUS"), _) if wrong.following == token.type:
             return f"to count, write `f[x] {token}= 1`"
         case "NAME", "INT":
             return "numbers are decimal, without a unit or suffix"

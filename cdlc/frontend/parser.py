@@ -6,7 +6,7 @@ understood is still checked.
 """
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 from lark import Token, UnexpectedToken
@@ -169,18 +169,14 @@ class _Reader:
                 result = parser.feed_token(token)
             except UnexpectedToken:
                 return Unexpected(self.source, stream, index, _accepted(start, stream[:index]))
-        if any(len(line.tokens) + line.level > MAX_DEPTH for line in _all(lines)):
-            return self._bounded(result, lines)
-        return result
+        return self._bounded(result, lines) if _may_be_deep(lines) else result
 
     def _bounded(self, tree: Tree, lines: list[Line]) -> Tree:
         """The tree, or an error where it is too deep to be worked with."""
         span = too_deep(tree)
         if span is None:
             return tree
-        self.found.add(
-            errors.NestingTooDeep(location=self.source.location(span), limit=MAX_DEPTH)
-        )
+        self.found.add(errors.NestingTooDeep(location=self.source.location(span), limit=MAX_DEPTH))
         return self._give_up(lines)
 
     def _give_up(self, lines: list[Line]) -> syntax.Definition:
@@ -327,12 +323,16 @@ def _is_section(line: Line) -> bool:
     return len(kinds) == 2 and kinds[0] in SECTIONS and kinds[1] == "COLON"
 
 
-def _all(lines: list[Line]) -> Iterator[Line]:
+def _may_be_deep(lines: list[Line]) -> bool:
+    """Whether the tree could be deeper than allowed: each token may add a level."""
     pending = list(lines)
+    deepest = conditions = 0
     while pending:
         line = pending.pop()
         pending.extend(line.block)
-        yield line
+        deepest = max(deepest, len(line.tokens) + line.level)
+        conditions += line.tokens[0].type == "ELIF"
+    return deepest + conditions > MAX_DEPTH
 
 
 def _siblings(line: Line, lines: list[Line]) -> list[Line]:
