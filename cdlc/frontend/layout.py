@@ -23,8 +23,8 @@ MAX_BLOCKS = 100
 class Line:
     """A logical line and the lines indented under it.
 
-    `level` counts the blocks it stands in. A line that cannot be read `is_broken` and stands as one ERROR token; its block is then left
-    out, unless `keeps_block` says to read it for the mistakes in it.
+    `level` counts the blocks it stands in. A line that cannot be read `is_broken` and stands as one
+    ERROR token; its block is then left out, unless `keeps_block` says to read it for its mistakes.
     """
 
     tokens: list[Token]

@@ -93,7 +93,7 @@ def _read_regular(name: str) -> bytes:
     """The bytes of a regular file, one more than are allowed at most; others may never end."""
     # Opening a FIFO would wait for a writer.
     descriptor = os.open(name, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-    with open(descriptor, "rb") as file:
+    with os.fdopen(descriptor, "rb") as file:
         mode = os.fstat(descriptor).st_mode
         if stat.S_ISDIR(mode):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))

@@ -52,6 +52,23 @@ _OTHER_WORDS = {
     "when": "use `if c:`",
     "then": "`if c:` opens a block, and `a if c else b` is an expression",
 }
+_QUOTATION_MARKS = (
+    "\N{LEFT DOUBLE QUOTATION MARK}\N{RIGHT DOUBLE QUOTATION MARK}"
+    "\N{DOUBLE LOW-9 QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}\N{RIGHT SINGLE QUOTATION MARK}"
+)
+_SYMBOLS = {
+    "\N{LESS-THAN OR EQUAL TO}": "<=",
+    "\N{GREATER-THAN OR EQUAL TO}": ">=",
+    "\N{NOT EQUAL TO}": "!=",
+    "\N{LOGICAL AND}": "and",
+    "\N{LOGICAL OR}": "or",
+    "\N{NOT SIGN}": "not",
+    "\N{FOR ALL}": "forall",
+    "\N{THERE EXISTS}": "exists",
+    "\N{RIGHTWARDS ARROW}": "->",
+    "\N{MULTIPLICATION SIGN}": "*",
+    "\N{MINUS SIGN}": "-",
+}
 _OPERATORS = {"&": "AND", "&&": "AND", "|": "OR", "||": "OR", "!": "NOT"}
 _SPELLED = {
     "COLON": "`:`", "_NEWLINE": "the end of the line", "RPAR": "`)`", "RSQB": "`]`",
@@ -249,7 +266,7 @@ def _describe(token: Token) -> str:
         case "UNCLOSED":
             return '`"`'
         case "UNREADABLE":
-            return f"character `{token}`" if token.isprintable() else f"character {ascii(token)}"
+            return f"character `{token}`" if token.isprintable() else f"character {token!a}"
         case _:
             return f"`{token}`"
 
@@ -352,12 +369,10 @@ def _hint_for_character(character: str) -> str | None:
             return "features are read as `f(x)` or `f[x]`, not as `x.f`"
         case "\\":
             return "lines are joined inside brackets; there is no `\\`"
-        case "“" | "”" | "„" | "‘" | "’":
+        case _ if character in _QUOTATION_MARKS:
             return 'the quotation mark of CDL is `"`'
-        case "≤" | "≥" | "≠" | "∧" | "∨" | "¬" | "→" | "∀" | "∃" | "×":
-            ascii_ = {"≤": "<=", "≥": ">=", "≠": "!=", "∧": "and", "∨": "or", "¬": "not",
-                      "→": "->", "∀": "forall", "∃": "exists", "×": "*"}[character]  # fmt: skip
-            return f"write `{ascii_}`"
+        case _ if character in _SYMBOLS:
+            return f"write `{_SYMBOLS[character]}`"
         case _ if character.isidentifier():
             return "names are made of the letters a-z and A-Z, digits and `_`"
         case _:
