@@ -97,7 +97,8 @@ def check_generator(node: syntax.Procedure, context: Context) -> Generator | Non
     location = context.location(node.name.span)
     names = {word: _directions(sections.get(word), scope, context) for word in ("in", "out")}
     if goal is None:
-        context.found.add(errors.MissingSection(location=location, section="goal"))
+        if not _has_error_section(node):
+            context.found.add(errors.MissingSection(location=location, section="goal"))
         return None
     if not names["out"] and not _has_error_section(node):
         context.found.add(errors.MissingSection(location=location, section="out"))
@@ -147,7 +148,20 @@ def _scope_of(parameters: tuple[Parameter, ...]) -> Scope:
 
 
 def _has_errors(statements: tuple[syntax.Statement, ...]) -> bool:
-    return any(isinstance(s, syntax.ErrorStatement) for s in statements)
+    for statement in statements:
+        match statement:
+            case syntax.ErrorStatement():
+                return True
+            case syntax.If(branches=branches, otherwise=otherwise):
+                blocks = [*(block for _, block in branches), otherwise or ()]
+                if any(map(_has_errors, blocks)):
+                    return True
+            case syntax.ForEach(body=body) | syntax.ForRange(body=body):
+                if _has_errors(body):
+                    return True
+            case _:
+                pass
+    return False
 
 
 def _returns(statements: tuple[Statement, ...]) -> bool:

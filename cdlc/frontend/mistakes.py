@@ -305,7 +305,7 @@ def _hint(wrong: Unexpected) -> str | None:
 def _hint_for_token(wrong: Unexpected) -> str | None:
     token, previous = wrong.token, wrong.previous
     match token.type, previous.type:
-        case (("FORALL" | "EXISTS"), _) if "NAME" in wrong.accepted:
+        case (("FORALL" | "EXISTS"), _) if "INT" in wrong.accepted:
             return "a quantifier in the middle of an expression needs parentheses around it"
         case "NAME", "NAME" if "COLON" in wrong.accepted and "COMMA" in wrong.accepted:
             return "a parameter is written `name: type`"
