@@ -7,8 +7,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crow.program import Location, ProblemStatement, Program
-
 from cdlc.diagnostics import Collector, Diagnostic
 from cdlc.frontend import errors
 from cdlc.frontend.check import CheckedDomain, CheckedProblem, check_domain, check_problem
@@ -16,12 +14,12 @@ from cdlc.frontend.depth import MAX_DEPTH
 from cdlc.frontend.loader import EMPTY_DOMAIN, STANDARD_INPUT, Files, beside, title
 from cdlc.ir.lints import lint
 from cdlc.source import SourceFile
+from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
-    from crow.problem import Problem
-
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Triple
+    from crow.problem import Problem
 
 
 class CompileError(Exception):

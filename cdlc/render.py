@@ -8,10 +8,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TextIO
 
-from crow.program import Location
-
 from cdlc.diagnostics import Diagnostic, Help, Label, Severity
 from cdlc.source import SourceFile
+from crow.program import Location
 
 _STYLES = {
     "error": "\x1b[1;31m",

@@ -1,9 +1,8 @@
 """Checking programs given as text, for tables of small cases."""
 
-from crow.program import Program
-
 from cdlc.diagnostics import Diagnostic
 from cdlc.driver import Compilation, CompileError, compilation
+from crow.program import Program
 
 PRELUDE = """\
 typedef block

@@ -17,7 +17,9 @@ settings.load_profile("quick")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--update-golden", action="store_true", help="write the files that golden tests compare with"
+        "--update-golden",
+        action="store_true",
+        help="write the files that golden tests compare with",
     )
 
 

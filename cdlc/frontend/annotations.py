@@ -4,12 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from crow.program import Annotation, Scalar, Type, UnknownType
-from crow.program.types import is_integer
-
 from cdlc.diagnostics import nearest
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.scope import Context
+from crow.program import Annotation, Scalar, Type, UnknownType
+from crow.program.types import is_integer
 
 Owner = Literal[
     "object type",

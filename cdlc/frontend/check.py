@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from crow.program import Parameter, ProblemStatement, Program, Statement
-
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.check_behaviors import (
@@ -28,6 +26,7 @@ from cdlc.frontend.cycles import report_recursion
 from cdlc.frontend.infer import infer_signatures
 from cdlc.frontend.scope import Context, Declarations, Scope
 from cdlc.frontend.sections import Section
+from crow.program import Parameter, ProblemStatement, Program, Statement
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,15 @@
 
 from typing import Literal, cast
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.check_expressions import (
+    check_call,
+    check_expression,
+    check_number,
+    check_value,
+)
+from cdlc.frontend.scope import Context, Scope
+from cdlc.frontend.sections import CHANGING, Section, report_misplaced
 from crow.program import (
     INT64,
     Arithmetic,
@@ -18,16 +27,6 @@ from crow.program import (
     VectorType,
 )
 from crow.program.types import is_integer, is_number, underlying
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.check_expressions import (
-    check_call,
-    check_expression,
-    check_number,
-    check_value,
-)
-from cdlc.frontend.scope import Context, Scope
-from cdlc.frontend.sections import CHANGING, Section, report_misplaced
 
 
 def check_assignment(

@@ -2,6 +2,14 @@
 
 from typing import Literal
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import Owner, check_annotations
+from cdlc.frontend.check_expressions import check_condition, check_number
+from cdlc.frontend.check_statements import check_block, check_sequence
+from cdlc.frontend.check_writes import check_writes
+from cdlc.frontend.scope import Context, Scope
+from cdlc.frontend.sections import Section
+from cdlc.source import Span
 from crow.program import (
     UNKNOWN,
     Achieve,
@@ -35,15 +43,6 @@ from crow.program import (
 )
 from crow.program.expressions import Apply
 from crow.program.walk import statements_within
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import Owner, check_annotations
-from cdlc.frontend.check_expressions import check_condition, check_number
-from cdlc.frontend.check_statements import check_block, check_sequence
-from cdlc.frontend.check_writes import check_writes
-from cdlc.frontend.scope import Context, Scope
-from cdlc.frontend.sections import Section
-from cdlc.source import Span
 
 _SECTIONS = {
     "controller": ("eff",),

@@ -1,5 +1,10 @@
 """`let` and `bind`: the statements that introduce variables (language.md §3, §2.4 of the paper)."""
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.check_expressions import check_condition, check_expression, check_value
+from cdlc.frontend.check_types import check_not_hiding, check_variables, introduce, resolve_type
+from cdlc.frontend.infer import type_from_use
+from cdlc.frontend.scope import Context, Scope, is_condition
 from crow.program import (
     BOOL,
     UNKNOWN,
@@ -13,12 +18,6 @@ from crow.program import (
     UnknownType,
     Variable,
 )
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.check_expressions import check_condition, check_expression, check_value
-from cdlc.frontend.check_types import check_not_hiding, check_variables, introduce, resolve_type
-from cdlc.frontend.infer import type_from_use
-from cdlc.frontend.scope import Context, Scope, is_condition
 
 Introduced = tuple[Statement, Scope]
 

@@ -7,6 +7,9 @@ message. Arithmetic laws are not applied here; see ir/.
 from math import isinf
 from typing import assert_never
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.check_types import check_variables, introduce
+from cdlc.frontend.scope import BUILTIN_FUNCTIONS, MAX_DEPTH, Context, Scope, are_related
 from crow.program import (
     BOOL,
     FLOAT64,
@@ -42,10 +45,6 @@ from crow.program import (
     Xor,
 )
 from crow.program.types import is_integer, is_number, underlying, wider_number
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.check_types import check_variables, introduce
-from cdlc.frontend.scope import BUILTIN_FUNCTIONS, MAX_DEPTH, Context, Scope, are_related
 
 
 def check_condition(node: syntax.Expression, scope: Scope, context: Context) -> Expression:

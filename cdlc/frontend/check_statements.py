@@ -3,6 +3,15 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_assignments import check_assignment
+from cdlc.frontend.check_binds import check_bind, check_let
+from cdlc.frontend.check_expressions import check_arguments, check_condition, check_value
+from cdlc.frontend.check_types import check_not_hiding, check_variables, introduce
+from cdlc.frontend.ranges import check_range, copies
+from cdlc.frontend.scope import Context, Loop, Scope
+from cdlc.frontend.sections import Section, misplaced, report_misplaced
 from crow.program import (
     INT64,
     Achieve,
@@ -20,16 +29,6 @@ from crow.program import (
     Return,
     Statement,
 )
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_assignments import check_assignment
-from cdlc.frontend.check_binds import check_bind, check_let
-from cdlc.frontend.check_expressions import check_arguments, check_condition, check_value
-from cdlc.frontend.check_types import check_not_hiding, check_variables, introduce
-from cdlc.frontend.ranges import check_range, copies
-from cdlc.frontend.scope import Context, Loop, Scope
-from cdlc.frontend.sections import Section, misplaced, report_misplaced
 
 
 def check_block(

@@ -1,5 +1,7 @@
 """Types as written to types of the program, and lists of typed names to parameters."""
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.scope import Context, LocalKind, Scope
 from crow.program import (
     UNKNOWN,
     ListType,
@@ -9,9 +11,6 @@ from crow.program import (
     UnknownType,
     VectorType,
 )
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.scope import Context, LocalKind, Scope
 
 
 def resolve_type(written: syntax.Type, context: Context) -> Type:

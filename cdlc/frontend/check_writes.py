@@ -7,6 +7,8 @@ everything else, such as a write under a condition on the loop variable, is for 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
+from cdlc.diagnostics import Collector
+from cdlc.frontend import errors
 from crow.program import (
     Assign,
     Expression,
@@ -22,9 +24,6 @@ from crow.program import (
 )
 from crow.program.walk import statements_within, subexpressions
 from crow.text import expression_text
-
-from cdlc.diagnostics import Collector
-from cdlc.frontend import errors
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 
-from crow.program import Apply, Behavior, Call, Function, Location, Program
-from crow.program.walk import expressions_of, statements_within, subexpressions
-
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors
+from crow.program import Apply, Behavior, Call, Function, Location, Program
+from crow.program.walk import expressions_of, statements_within, subexpressions
 
 Calls = Mapping[str, tuple[tuple[str, Location | None], ...]]
 """What each definition calls, and where."""

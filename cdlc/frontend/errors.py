@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from crow.program import Location, Type
-
 from cdlc.diagnostics import Diagnostic, Help, Label, Lint, Replacement, suggest
+from crow.program import Location, Type
 
 # ------------------------------------------------------------------------------------ reading files
 

@@ -8,17 +8,6 @@ the most specific type demanded wins if it fits everywhere else.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-from crow.program import BOOL, FLOAT64, INT64, STRING, UNKNOWN, Type, UnknownType
-from crow.program.types import (
-    FLOAT32,
-    INT32,
-    NamedType,
-    VectorType,
-    is_number,
-    underlying,
-    wider_number,
-)
-
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.check_declarations import Sourced
@@ -31,6 +20,16 @@ from cdlc.frontend.scope import (
     Signature,
 )
 from cdlc.source import SourceFile
+from crow.program import BOOL, FLOAT64, INT64, STRING, UNKNOWN, Type, UnknownType
+from crow.program.types import (
+    FLOAT32,
+    INT32,
+    NamedType,
+    VectorType,
+    is_number,
+    underlying,
+    wider_number,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,13 +9,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from crow.program import Location
-
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.check_declarations import Sourced
 from cdlc.frontend.parser import parse
 from cdlc.source import SourceFile
+from crow.program import Location
 
 EMPTY_DOMAIN = "__empty__"
 STANDARD_INPUT = "-"

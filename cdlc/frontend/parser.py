@@ -275,7 +275,11 @@ class _Reader:
         keeps = line.tokens[0].type in _BLOCK_STATEMENTS or line.tokens[0] == "while"
         self._mark_broken(line, keeps_block=keeps and not wrong.wants_section)
         for other in siblings[at + 1 :]:
-            if wrong.wants_section and other.tokens[0].type in STATEMENTS and not _is_section(other):
+            if (
+                wrong.wants_section
+                and other.tokens[0].type in STATEMENTS
+                and not _is_section(other)
+            ):
                 self._mark_broken(other, keeps_block=False)
             elif other.tokens[0].type in _CONTINUATIONS and not wrong.wants_section:
                 self._mark_broken(other, keeps_block=True)

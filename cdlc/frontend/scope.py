@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from cdlc.diagnostics import Collector
+from cdlc.source import SourceFile, Span
 from crow.program import (
     BOOL,
     OBJECT,
@@ -24,9 +26,6 @@ from crow.program import (
     VectorType,
 )
 from crow.program.types import PRIMITIVES, is_number, promotes, underlying
-
-from cdlc.diagnostics import Collector
-from cdlc.source import SourceFile, Span
 
 BUILTIN_FUNCTIONS = ("min", "max", "abs")
 

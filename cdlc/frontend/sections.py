@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from crow.program import UNKNOWN, Type
-
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.scope import Context
+from crow.program import UNKNOWN, Type
 
 SectionKind = Literal["body", "effect", "function", "init"]
 

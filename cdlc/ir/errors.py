@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from crow.program import Location, Type
-
 from cdlc.diagnostics import Diagnostic, Help, Label, Lint
+from crow.program import Location, Type
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from cdlc.ir.logic import FALSE, TRUE, choice, conjunction, disjunction, equality, negation
 from crow.program import (
     BOOL,
     And,
@@ -22,8 +23,6 @@ from crow.program import (
     Xor,
 )
 from crow.program.rewrite import rewrite
-
-from cdlc.ir.logic import FALSE, TRUE, choice, conjunction, disjunction, equality, negation
 
 _COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = {
     "==": operator.eq,

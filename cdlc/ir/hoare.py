@@ -8,6 +8,8 @@ here: a statement that is not is named in NotModelled.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
+from cdlc.ir.logic import choice, conjunction, conjuncts, equality
+from cdlc.ir.names import fresh_name
 from crow.program import (
     Achieve,
     Apply,
@@ -34,9 +36,6 @@ from crow.program import (
 )
 from crow.program.rewrite import rewrite, substitute
 from crow.program.walk import subexpressions
-
-from cdlc.ir.logic import choice, conjunction, conjuncts, equality
-from cdlc.ir.names import fresh_name
 
 
 @dataclass(frozen=True, slots=True)

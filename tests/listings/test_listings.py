@@ -5,13 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from crow.program import Behavior, Program, decode_problem, decode_program, encode
-from crow.program.schema import schema
 from jsonschema import Draft202012Validator
 from support import BLOCKS
 
 import cdlc
 from cdlc.ir.passes.expand_foreach import expand_foreach
+from crow.program import Behavior, Program, decode_problem, decode_program, encode
+from crow.program.schema import schema
 
 FOLDER = Path(__file__).parent
 

@@ -6,8 +6,6 @@ keeps quiet.
 
 from collections.abc import Callable
 
-from crow.program import ProblemStatement, Program
-
 from cdlc.diagnostics import Collector
 from cdlc.ir.lints.conditions import constant_conditions
 from cdlc.ir.lints.controllers import unmodelled_controllers
@@ -16,6 +14,7 @@ from cdlc.ir.lints.goals import goals_not_established
 from cdlc.ir.lints.reach import unmatched_achieves, unreachable_behaviors
 from cdlc.ir.lints.subject import Subject
 from cdlc.ir.lints.unused import unused_definitions, unused_parameters, unused_variables
+from crow.program import ProblemStatement, Program
 
 LINTS: tuple[Callable[[Subject, Collector], None], ...] = (
     goals_not_established,

@@ -2,6 +2,12 @@
 
 from collections.abc import Iterator
 
+from cdlc.diagnostics import Collector
+from cdlc.ir.behaviors import statements_of
+from cdlc.ir.errors import ConstantCondition
+from cdlc.ir.fold import fold
+from cdlc.ir.lints.subject import Subject
+from cdlc.ir.logic import FALSE, TRUE
 from crow.program import (
     Achieve,
     Assert,
@@ -12,13 +18,6 @@ from crow.program import (
     Statement,
 )
 from crow.program.walk import expressions_of, subexpressions
-
-from cdlc.diagnostics import Collector
-from cdlc.ir.behaviors import statements_of
-from cdlc.ir.errors import ConstantCondition
-from cdlc.ir.fold import fold
-from cdlc.ir.lints.subject import Subject
-from cdlc.ir.logic import FALSE, TRUE
 
 
 def constant_conditions(subject: Subject, found: Collector) -> None:

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator
 
-from crow.program import Call, Do, Program
-from crow.program.walk import statements_within
-
 from cdlc.diagnostics import Collector
 from cdlc.ir.behaviors import body_of
 from cdlc.ir.errors import UnmodelledController
 from cdlc.ir.lints.subject import Subject
+from crow.program import Call, Do, Program
+from crow.program.walk import statements_within
 
 
 def unmodelled_controllers(subject: Subject, found: Collector) -> None:

@@ -2,6 +2,10 @@
 
 from collections.abc import Iterator
 
+from cdlc.diagnostics import Collector
+from cdlc.ir.behaviors import body_of, parts_of
+from cdlc.ir.errors import MissingGenerator, UnmatchedGenerator
+from cdlc.ir.lints.subject import Subject
 from crow.program import (
     BOOL,
     Achieve,
@@ -20,11 +24,6 @@ from crow.program import (
 )
 from crow.program.types import underlying
 from crow.program.walk import expressions_of, statements_within, subexpressions
-
-from cdlc.diagnostics import Collector
-from cdlc.ir.behaviors import body_of, parts_of
-from cdlc.ir.errors import MissingGenerator, UnmatchedGenerator
-from cdlc.ir.lints.subject import Subject
 
 
 def unmatched_generators(subject: Subject, found: Collector) -> None:

@@ -2,6 +2,12 @@
 
 from collections.abc import Mapping
 
+from cdlc.diagnostics import Collector
+from cdlc.ir.errors import GoalNotEstablished
+from cdlc.ir.fold import fold
+from cdlc.ir.hoare import NotModelled, Triple, Update, inline, regress, triple
+from cdlc.ir.lints.subject import Subject
+from cdlc.ir.logic import FALSE, TRUE
 from crow.program import (
     Apply,
     Compare,
@@ -18,13 +24,6 @@ from crow.program import (
 )
 from crow.program.walk import subexpressions
 from crow.text import expression_text
-
-from cdlc.diagnostics import Collector
-from cdlc.ir.errors import GoalNotEstablished
-from cdlc.ir.fold import fold
-from cdlc.ir.hoare import NotModelled, Triple, Update, inline, regress, triple
-from cdlc.ir.lints.subject import Subject
-from cdlc.ir.logic import FALSE, TRUE
 
 
 def goals_not_established(subject: Subject, found: Collector) -> None:

@@ -2,6 +2,12 @@
 
 from collections.abc import Iterator
 
+from cdlc.diagnostics import Collector
+from cdlc.ir.behaviors import body_of, statements_of
+from cdlc.ir.errors import UnmatchedAchieve, UnreachableBehavior
+from cdlc.ir.hoare import NotModelled, inline
+from cdlc.ir.lints.subject import Subject
+from cdlc.ir.matching import may_match
 from crow.program import (
     Achieve,
     And,
@@ -18,13 +24,6 @@ from crow.program import (
 )
 from crow.program.walk import statements_within, subexpressions
 from crow.text import expression_text
-
-from cdlc.diagnostics import Collector
-from cdlc.ir.behaviors import body_of, statements_of
-from cdlc.ir.errors import UnmatchedAchieve, UnreachableBehavior
-from cdlc.ir.hoare import NotModelled, inline
-from cdlc.ir.lints.subject import Subject
-from cdlc.ir.matching import may_match
 
 
 def unmatched_achieves(subject: Subject, found: Collector) -> None:

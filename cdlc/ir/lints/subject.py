@@ -4,10 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
+from cdlc.ir.behaviors import body_of, parts_of
 from crow.program import Expression, Hierarchy, ProblemStatement, Program
 from crow.program.walk import subexpressions
-
-from cdlc.ir.behaviors import body_of, parts_of
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,10 @@
 
 from collections.abc import Iterator
 
+from cdlc.diagnostics import Collector
+from cdlc.ir.behaviors import body_of, parts_of, statements_of
+from cdlc.ir.errors import UnusedDefinition, UnusedParameter, UnusedVariable
+from cdlc.ir.lints.subject import Subject
 from crow.program import (
     Apply,
     Assign,
@@ -28,11 +32,6 @@ from crow.program import (
 )
 from crow.program.types import OBJECT
 from crow.program.walk import statements_within, subexpressions
-
-from cdlc.diagnostics import Collector
-from cdlc.ir.behaviors import body_of, parts_of, statements_of
-from cdlc.ir.errors import UnusedDefinition, UnusedParameter, UnusedVariable
-from cdlc.ir.lints.subject import Subject
 
 
 def unused_parameters(subject: Subject, found: Collector) -> None:

@@ -14,19 +14,75 @@ from cdlc.source import SourceFile
 ROOT = Path(__file__).parents[3]
 FILES = sorted([*ROOT.glob("examples/**/*.cdl"), *ROOT.glob("tests/errors/*/good*.cdl")])
 
-SOFT = (
-    "domain problem include typedef object_constant feature def controller behavior action "
-    "generator goal body eff in out objects init minimize sequential unordered alternative "
-    "promotable each where"
-).split()
-HARD = (
-    "and or not if elif else for foreach forall exists let assert achieve achieve_once do bind "
-    "commit return pass break continue True False"
-).split()
-RESERVED = (
-    "symbol assert_hold assert_once achieve_hold pachieve untrack preamble critical mem_query "
-    "findall findone batched heuristic undirected_generator import"
-).split()
+SOFT = [
+    "domain",
+    "problem",
+    "include",
+    "typedef",
+    "object_constant",
+    "feature",
+    "def",
+    "controller",
+    "behavior",
+    "action",
+    "generator",
+    "goal",
+    "body",
+    "eff",
+    "in",
+    "out",
+    "objects",
+    "init",
+    "minimize",
+    "sequential",
+    "unordered",
+    "alternative",
+    "promotable",
+    "each",
+    "where",
+]
+HARD = [
+    "and",
+    "or",
+    "not",
+    "if",
+    "elif",
+    "else",
+    "for",
+    "foreach",
+    "forall",
+    "exists",
+    "let",
+    "assert",
+    "achieve",
+    "achieve_once",
+    "do",
+    "bind",
+    "commit",
+    "return",
+    "pass",
+    "break",
+    "continue",
+    "True",
+    "False",
+]
+RESERVED = [
+    "symbol",
+    "assert_hold",
+    "assert_once",
+    "achieve_hold",
+    "pachieve",
+    "untrack",
+    "preamble",
+    "critical",
+    "mem_query",
+    "findall",
+    "findone",
+    "batched",
+    "heuristic",
+    "undirected_generator",
+    "import",
+]
 
 
 def test_grammar_has_no_conflicts() -> None:
