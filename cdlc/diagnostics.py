@@ -5,7 +5,7 @@ page for `cdlc explain`. The code is the class name in kebab case and never chan
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import StrEnum
@@ -80,6 +80,10 @@ class Diagnostic:
         """Proposals for a cure."""
         return ()
 
+    def missing_name(self) -> str | None:
+        """The name that is said to be missing; see `Collector.forgive_names`."""
+        return None
+
 
 @dataclass(frozen=True, kw_only=True)
 class Lint(Diagnostic):
@@ -98,13 +102,33 @@ class Collector:
 
     found: list[Diagnostic] = field(default_factory=list)
     _seen: set[tuple[str, Location]] = field(default_factory=set)
+    _forgiven: set[str] = field(default_factory=set)
+    _forgives_all: bool = False
 
     def add(self, diagnostic: Diagnostic) -> None:
-        """Keep a diagnostic."""
+        """Keep a diagnostic, unless it follows from an earlier one."""
+        name = diagnostic.missing_name()
+        if name is not None and (self._forgives_all or name in self._forgiven):
+            return
         key = (diagnostic.code, diagnostic.location)
         if key not in self._seen:
             self._seen.add(key)
             self.found.append(diagnostic)
+
+    def forgive_names(self, names: Iterable[str] | None = None) -> None:
+        """Drop later complaints that these names are missing, or that any is.
+
+        What could not be read may define them; that it could not be read has been reported.
+        """
+        if names is None:
+            self._forgives_all = True
+        else:
+            self._forgiven.update(names)
+
+    @property
+    def errors(self) -> int:
+        """How many of them are errors."""
+        return sum(d.severity is Severity.ERROR for d in self.found)
 
     @property
     def has_errors(self) -> bool:

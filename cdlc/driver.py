@@ -7,20 +7,19 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crow.program import Location, ProblemStatement, Program
-
 from cdlc.diagnostics import Collector, Diagnostic
 from cdlc.frontend import errors
 from cdlc.frontend.check import CheckedDomain, CheckedProblem, check_domain, check_problem
+from cdlc.frontend.depth import MAX_DEPTH
 from cdlc.frontend.loader import EMPTY_DOMAIN, STANDARD_INPUT, Files, beside, title
 from cdlc.ir.lints import lint
 from cdlc.source import SourceFile
+from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
-    from crow.problem import Problem
-
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Triple
+    from crow.problem import Problem
 
 
 class CompileError(Exception):
@@ -63,9 +62,16 @@ class Compilation:
     @cached_property
     def checked(self) -> CheckedProblem | CheckedDomain:
         """The typed program, with the problem if there is one. Reports every mistake."""
-        checked = self._check_problem() if self.problem_file else self._check_domain()
-        if checked is not None and not self.found.has_errors:
-            lint(_domain_of(checked).program, self.found)
+        checked = None
+        try:
+            checked = self._check_problem() if self.problem_file else self._check_domain()
+            if checked is not None and not self.found.has_errors:
+                problem = checked.problem if isinstance(checked, CheckedProblem) else None
+                included = frozenset(self.files.included)
+                lint(_domain_of(checked).program, self.found, problem, included)
+        except RecursionError:  # the caller's stack was nearly full, since depth is bounded
+            start = Location(self.problem_file or self.domain_file or "", 1, 1, 1, 1)
+            self.found.add(errors.NestingTooDeep(location=start, limit=MAX_DEPTH))
         self._stop_at_errors()
         assert checked is not None
         return checked
@@ -166,7 +172,8 @@ class Compilation:
             return None
         domain = [] if domain_file == EMPTY_DOMAIN else list(self.files.definitions(domain_file))
         name = _stem(domain_file)
-        checked = check_problem(source, module, name, domain, self.found)
+        own = list(self.files.definitions(self.problem_file))
+        checked = check_problem(own, name, domain, self.found)
         if checked is None and not self.found.has_errors:
             missing = errors.MissingPart(location=start, part="goal", example="goal: …")
             self.found.add(missing)
@@ -183,6 +190,8 @@ class Compilation:
             wanted_by = self.sources[self.problem_file].location(named.span)
             is_empty = named.text == EMPTY_DOMAIN
             domain_file = EMPTY_DOMAIN if is_empty else beside(self.problem_file, named.text)
+        if named is not None and not named.text and self.found.has_errors:
+            return None  # its name could not be read
         if domain_file is None:
             example = 'domain "file.cdl"'
             self.found.add(errors.MissingPart(location=start, part="domain", example=example))

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import TYPE_CHECKING
 
-from crow.program import ProblemStatement, Program
-
 from cdlc import driver
 from cdlc.diagnostics import Diagnostic
+from crow.program import ProblemStatement, Program
 
 if TYPE_CHECKING:
     from cdlc.backends.pddl import PddlTask

@@ -1,11 +1,10 @@
 """From the checked program to the runtime's problem."""
 
+from cdlc.backends.errors import NoInitialValue
+from cdlc.diagnostics import Collector
 from crow.evaluate import EvaluationError
 from crow.problem import Problem
 from crow.program import Location, ProblemStatement, Program
-
-from cdlc.backends.errors import NoInitialValue
-from cdlc.diagnostics import Collector
 
 
 def to_runtime(program: Program, statement: ProblemStatement, found: Collector) -> Problem | None:

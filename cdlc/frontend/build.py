@@ -23,11 +23,17 @@ def _span(first: Any, last: Any = None) -> Span:
     return Span(start.start, end.end)
 
 
-def _string(token: Token) -> str:
+def string_value(token: Token) -> str:
+    """The text a string token stands for."""
     try:
         return cast("str", ast.literal_eval(str(token)))
     except (SyntaxError, ValueError):  # an escape Python does not know: take it as it stands
         return str(token)[1:-1]
+
+
+def _integer(token: Token) -> int:
+    # More digits than any width holds; int() is quadratic and Python refuses over 4,300.
+    return int(token) if len(token) <= 40 else 10**40
 
 
 @v_args(inline=True)
@@ -50,7 +56,7 @@ class Builder(Transformer[Token, Any]):
     def vector_type(
         self, name: syntax.Name, element: syntax.Type, n: Token | None = None
     ) -> syntax.Type:
-        length = None if n is None else int(n)
+        length = None if n is None else _integer(n)
         return syntax.VectorType(name, element, length, span=_span(name, n or element))
 
     def list_of_named(self, name: syntax.Name) -> syntax.Type:
@@ -84,15 +90,13 @@ class Builder(Transformer[Token, Any]):
     # expressions
 
     def integer(self, token: Token) -> syntax.Expression:
-        # More digits than any width holds; int() is quadratic and Python refuses over 4,300.
-        value = int(token) if len(token) <= 40 else 10**40
-        return syntax.Literal(value, span=token_span(token))
+        return syntax.Literal(_integer(token), span=token_span(token))
 
     def float(self, token: Token) -> syntax.Expression:
         return syntax.Literal(float(token), span=token_span(token))
 
     def string(self, token: Token) -> syntax.Expression:
-        return syntax.Literal(_string(token), span=token_span(token))
+        return syntax.Literal(string_value(token), span=token_span(token))
 
     def true(self, token: Token) -> syntax.Expression:
         return syntax.Literal(True, span=token_span(token))  # noqa: FBT003 - a value
@@ -101,7 +105,7 @@ class Builder(Transformer[Token, Any]):
         return syntax.Literal(False, span=token_span(token))  # noqa: FBT003 - a value
 
     def negative_integer(self, minus: Token, token: Token) -> syntax.Expression:
-        return syntax.Literal(-int(token), span=_span(minus, token))
+        return syntax.Literal(-_integer(token), span=_span(minus, token))
 
     def negative_float(self, minus: Token, token: Token) -> syntax.Expression:
         return syntax.Literal(-float(token), span=_span(minus, token))
@@ -144,11 +148,11 @@ class Builder(Transformer[Token, Any]):
     def negative(self, minus: Token, operand: syntax.Expression) -> syntax.Expression:
         return syntax.Unary("-", operand, span=_span(minus, operand))
 
-    def and_(self, left: syntax.Expression, right: syntax.Expression) -> syntax.Expression:
-        return _connective("and", left, right)
+    def and_(self, *operands: syntax.Expression) -> syntax.Expression:
+        return _connective("and", operands)
 
-    def or_(self, left: syntax.Expression, right: syntax.Expression) -> syntax.Expression:
-        return _connective("or", left, right)
+    def or_(self, *operands: syntax.Expression) -> syntax.Expression:
+        return _connective("or", operands)
 
     def xor(self, left: syntax.Expression, right: syntax.Expression) -> syntax.Expression:
         return syntax.Binary("^", left, right, span=_span(left, right))
@@ -181,6 +185,9 @@ class Builder(Transformer[Token, Any]):
 
     def error(self, token: Token) -> syntax.ErrorStatement:
         return syntax.ErrorStatement(span=token_span(token))
+
+    def broken_block(self, token: Token, _statements: Any) -> syntax.ErrorStatement:
+        return self.error(token)
 
     # annotations
 
@@ -325,10 +332,10 @@ class Builder(Transformer[Token, Any]):
     # definitions
 
     def title(self, word: Token, text: Token) -> syntax.Definition:
-        return syntax.Title(cast("Any", str(word)), _string(text), span=_span(word, text))
+        return syntax.Title(cast("Any", str(word)), string_value(text), span=_span(word, text))
 
     def include(self, word: Token, path: Token) -> syntax.Definition:
-        return syntax.Include(_string(path), span=_span(word, path))
+        return syntax.Include(string_value(path), span=_span(word, path))
 
     def typedef(
         self, word: Token, annotations: Any, name: syntax.Name, base: syntax.Type | None
@@ -412,13 +419,13 @@ def _expression(node: Any) -> syntax.Expression:
     return cast("syntax.Expression", node)
 
 
-def _connective(
-    operator: Any, left: syntax.Expression, right: syntax.Expression
-) -> syntax.Expression:
-    span = _span(left, right)
-    if isinstance(left, syntax.Connective) and left.operator == operator:
-        return syntax.Connective(operator, (*left.operands, right), span=span)
-    return syntax.Connective(operator, (left, right), span=span)
+def _connective(operator: Any, operands: tuple[syntax.Expression, ...]) -> syntax.Expression:
+    """`a and b and …` as one node, also where the first part is in parentheses."""
+    span = _span(operands[0], operands[-1])
+    first = operands[0]
+    if isinstance(first, syntax.Connective) and first.operator == operator:
+        operands = (*first.operands, *operands[1:])
+    return syntax.Connective(operator, operands, span=span)
 
 
 def _annotate(statement: syntax.Annotated, annotations: tuple[syntax.Annotation, ...]) -> Any:

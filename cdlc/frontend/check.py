@@ -3,9 +3,6 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from crow.program import ProblemStatement, Program, Statement
-from crow.program.types import is_number
-
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.check_behaviors import (
@@ -13,7 +10,7 @@ from cdlc.frontend.check_behaviors import (
     check_controller,
     check_function,
     check_generator,
-    check_open_condition,
+    check_goal,
     check_open_value,
 )
 from cdlc.frontend.check_declarations import (
@@ -23,10 +20,13 @@ from cdlc.frontend.check_declarations import (
     objects_of,
     type_definitions,
 )
-from cdlc.frontend.check_statements import Section, check_block
+from cdlc.frontend.check_statements import check_block
+from cdlc.frontend.check_writes import check_writes
 from cdlc.frontend.cycles import report_recursion
+from cdlc.frontend.infer import infer_signatures
 from cdlc.frontend.scope import Context, Declarations, Scope
-from cdlc.source import SourceFile
+from cdlc.frontend.sections import Section
+from crow.program import Parameter, ProblemStatement, Program, Statement
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +44,8 @@ def check_domain(name: str, definitions: Iterable[Sourced], found: Collector) ->
     """Check a domain; `name` is used where the file gives it none."""
     listed = list(definitions)
     declared = declare(listed, found)
-    program = Program(
-        _title(listed, "domain") or name,
-        types=tuple(type_definitions(listed, declared, found)),
-        constants=constants(declared),
-    )
+    infer_signatures(listed, declared, found)
+    program = _start(_title(listed, "domain") or name, listed, declared, found)
     for source, node in listed:
         context = Context(source, declared, found)
         if isinstance(node, _PROBLEM_PARTS):
@@ -59,6 +56,11 @@ def check_domain(name: str, definitions: Iterable[Sourced], found: Collector) ->
             program = _add(program, node, context)
     report_recursion(program, found)
     return CheckedDomain(program, declared)
+
+
+def _start(name: str, listed: list[Sourced], declared: Declarations, found: Collector) -> Program:
+    types = tuple(type_definitions(listed, declared, found))
+    return Program(name, types=types, constants=constants(declared))
 
 
 def _title(listed: list[Sourced], keyword: str) -> str | None:
@@ -98,57 +100,66 @@ class CheckedProblem:
 
 
 def check_problem(
-    source: SourceFile,
-    module: syntax.Module,
-    domain_name: str,
-    domain: Iterable[Sourced],
-    found: Collector,
+    file: Iterable[Sourced], domain_name: str, domain: Iterable[Sourced], found: Collector
 ) -> CheckedProblem | None:
     """Check a problem file against its domain; None when it has no goal."""
-    parts = [n for n in module.definitions if isinstance(n, _PROBLEM_PARTS)]
-    own = [
-        (source, n)
-        for n in module.definitions
-        if not isinstance(n, (*_PROBLEM_PARTS, syntax.Title))
+    whole, theirs = list(file), list(domain)
+    parts: list[Sourced] = [(source, n) for source, n in whole if isinstance(n, _PROBLEM_PARTS)]
+    own = [(source, n) for source, n in whole if not isinstance(n, (*_PROBLEM_PARTS, syntax.Title))]
+    listed = [*theirs, *own]
+    declared = declare(listed, found)
+    program = _start(_title(theirs, "domain") or domain_name, listed, declared, found)
+    # The problem's own definitions see its objects; those of the domain cannot know them.
+    extended = declared.extended()
+    objects = [
+        added
+        for source, n in parts
+        if isinstance(n, syntax.Objects)
+        for added in objects_of(n, Context(source, extended, found))
     ]
-    checked = check_domain(domain_name, [*domain, *own], found)
-    context = Context(source, checked.declarations, found)
-    objects = [o for n in parts if isinstance(n, syntax.Objects) for o in objects_of(n, context)]
+    infer_signatures(listed, extended, found)
+    for source, node in theirs:
+        program = _add(program, node, Context(source, declared, found))
+    for source, node in own:
+        program = _add(program, node, Context(source, extended, found))
+    report_recursion(program, found)
+    problem = _problem(parts, tuple(objects), extended, found)
+    if problem is None:
+        return None
+    name = _title(whole, "problem") or "problem"
+    return CheckedProblem(CheckedDomain(program, extended), replace(problem, name=name))
+
+
+def _problem(
+    parts: Sequence[Sourced],
+    objects: tuple[Parameter, ...],
+    declared: Declarations,
+    found: Collector,
+) -> ProblemStatement | None:
+    """Initial state, goal and measure of a problem; None without a goal."""
     init: list[Statement] = []
     goals, minimized = [], []
-    for part in parts:
+    for source, part in parts:
+        context = Context(source, declared, found)
         match part:
             case syntax.Init(statements=statements):
                 init += check_block(statements, Scope(), Section("init"), context)
-            case syntax.Goal(condition=condition):
-                goals.append(check_open_condition(condition, context))
+            case syntax.Goal():
+                goals.append(check_goal(part, Scope(), context))
             case syntax.Minimize(expression=expression):
                 minimized.append(check_open_value(expression, context))
-                if not is_number(minimized[-1].type):
-                    location = context.location(expression.span)
-                    found.add(
-                        errors.WrongType(
-                            location=location, expected="a number", found=minimized[-1].type
-                        )
-                    )
             case _:
                 pass
-    _report_repeated(parts, context)
+    check_writes(tuple(init), found)
+    _report_repeated(parts, found)
     if not goals:
         return None
-    name = _title([(source, n) for n in module.definitions], "problem") or "problem"
-    problem = ProblemStatement(
-        name, tuple(objects), tuple(init), goals[0], minimized[0] if minimized else None
-    )
-    return CheckedProblem(checked, problem)
+    minimize = minimized[0] if minimized else None
+    return ProblemStatement("", objects, tuple(init), goals[0], minimize)
 
 
-def _report_repeated(parts: Sequence[syntax.Definition], context: Context) -> None:
+def _report_repeated(parts: Sequence[Sourced], found: Collector) -> None:
     for kind, section in ((syntax.Goal, "goal"), (syntax.Minimize, "minimize")):
-        same = [part for part in parts if isinstance(part, kind)]
-        for other in same[1:]:
-            first = context.location(same[0].span)
-            location = context.location(other.span)
-            context.found.add(
-                errors.DuplicateSection(location=location, section=section, first=first)
-            )
+        places = [source.location(n.span) for source, n in parts if isinstance(n, kind)]
+        for other in places[1:]:
+            found.add(errors.DuplicateSection(location=other, section=section, first=places[0]))

@@ -2,16 +2,26 @@
 
 from typing import Literal
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import Owner, check_annotations
+from cdlc.frontend.check_expressions import check_condition, check_number
+from cdlc.frontend.check_statements import check_block, check_sequence
+from cdlc.frontend.check_writes import check_writes
+from cdlc.frontend.scope import Context, Scope
+from cdlc.frontend.sections import Section
+from cdlc.source import Span
 from crow.program import (
     UNKNOWN,
     Achieve,
     Assert,
     Behavior,
     Bind,
+    Break,
     Call,
     Commit,
     Compare,
     Constant,
+    Continue,
     Controller,
     Do,
     Expression,
@@ -32,12 +42,7 @@ from crow.program import (
     Variable,
 )
 from crow.program.expressions import Apply
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_expressions import check_condition, check_expression
-from cdlc.frontend.check_statements import Section, check_block, check_sequence
-from cdlc.frontend.scope import Context, Scope
+from crow.program.walk import statements_within
 
 _SECTIONS = {
     "controller": ("eff",),
@@ -55,7 +60,7 @@ def check_controller(node: syntax.Procedure, context: Context) -> Controller:
         declared.name,
         declared.parameters,
         _effect(sections.get("eff"), _scope_of(declared.parameters), context),
-        annotations=check_annotations(node.annotations, context),
+        annotations=check_annotations(node.annotations, "controller", context),
         location=context.location(node.name.span),
     )
 
@@ -77,7 +82,7 @@ def check_behavior(node: syntax.Procedure, context: Context) -> Behavior:
         promotable,
         right,
         _effect(sections.get("eff"), after, context),
-        annotations=check_annotations(node.annotations, context),
+        annotations=check_annotations(node.annotations, "behavior", context),
         location=context.location(node.name.span),
     )
 
@@ -87,21 +92,24 @@ def check_generator(node: syntax.Procedure, context: Context) -> Generator | Non
     signature = context.declarations.generators[node.name.text]
     scope = _scope_of(signature.parameters)
     sections = _by_name(node, context)
-    goal = _goal(sections.get("goal"), scope, context)
-    names = {"in": (), "out": ()} | {
-        word: _directions(sections.get(word), scope, context) for word in ("in", "out")
-    }
+    goal = _goal(sections.get("goal"), scope, context, is_generator=True)
+    location = context.location(node.name.span)
+    names = {word: _directions(sections.get(word), scope, context) for word in ("in", "out")}
     if goal is None:
-        location = context.location(node.name.span)
-        context.found.add(errors.MissingSection(location=location, section="goal"))
+        if not _has_error_section(node):
+            context.found.add(errors.MissingSection(location=location, section="goal"))
         return None
+    if not names["out"] and not _has_error_section(node):
+        context.found.add(errors.MissingSection(location=location, section="out"))
+    elif all(scope.get(name) is not None for name in (*names["in"], *names["out"])):
+        _check_directions(signature.parameters, names, context)
     return Generator(
         node.name.text,
         signature.parameters,
         goal,
         names["in"],
         names["out"],
-        annotations=check_annotations(node.annotations, context),
+        annotations=check_annotations(node.annotations, "generator", context),
         location=context.location(node.name.span),
     )
 
@@ -109,11 +117,16 @@ def check_generator(node: syntax.Procedure, context: Context) -> Generator | Non
 def check_function(node: syntax.Function, context: Context) -> Function:
     """A function; a derived one must return on every path."""
     declared = context.declarations.functions[node.name.text]
+    owner: Owner = "external function" if node.body is None else "derived function"
     body = None
     if node.body is not None:
         section = Section("function", declared.type)
+        before = context.found.errors
         body = check_block(node.body, _scope_of(declared.parameters), section, context)
-        if not _returns(body, context) and not _has_errors(node.body):
+        _report_returns_in_foreach(body, context)
+        # After another mistake a path may seem to end without `return`.
+        clean = context.found.errors == before and not _has_errors(node.body)
+        if not _returns(body) and clean:
             location = context.location(node.name.span)
             context.found.add(errors.MissingReturn(location=location, name=declared.name))
     return Function(
@@ -121,7 +134,7 @@ def check_function(node: syntax.Function, context: Context) -> Function:
         declared.parameters,
         declared.type,
         body,
-        annotations=declared.annotations,
+        annotations=check_annotations(node.annotations, owner, context),
         location=declared.location,
     )
 
@@ -134,42 +147,62 @@ def _scope_of(parameters: tuple[Parameter, ...]) -> Scope:
 
 
 def _has_errors(statements: tuple[syntax.Statement, ...]) -> bool:
-    return any(isinstance(s, syntax.ErrorStatement) for s in statements)
+    for statement in statements:
+        match statement:
+            case syntax.ErrorStatement():
+                return True
+            case syntax.If(branches=branches, otherwise=otherwise):
+                blocks = [*(block for _, block in branches), otherwise or ()]
+                if any(map(_has_errors, blocks)):
+                    return True
+            case syntax.ForEach(body=body) | syntax.ForRange(body=body):
+                if _has_errors(body):
+                    return True
+            case _:
+                pass
+    return False
 
 
-def _returns(statements: tuple[Statement, ...], context: Context) -> bool:
+def _returns(statements: tuple[Statement, ...]) -> bool:
     """Whether every way through the statements ends in `return`."""
-    returns = False
     for statement in statements:
         match statement:
             case Return():
-                returns = True
+                return True
             case If(then=then, otherwise=otherwise):
-                both = [_returns(then, context), _returns(otherwise, context)]
-                returns = returns or all(both)
-            case ForEach(body=body):
-                for inner in body:
-                    _report_return(inner, context)
+                if _returns(then) and _returns(otherwise):
+                    return True
             case ForRange(body=body, start=start, stop=stop, step=step):
-                inside = _returns(body, context)
-                returns = returns or (inside and len(range(start, stop, step)) > 0)
+                runs = len(range(start, stop, step)) > 0
+                if runs and _returns(body) and not _is_left_early(body):
+                    return True
             case _:
                 pass
-    return returns
+    return False
 
 
-def _report_return(statement: Statement, context: Context) -> None:
-    match statement:
-        case Return(location=location) if location is not None:
-            context.found.add(errors.ReturnInForeach(location=location))
-        case If(then=then, otherwise=otherwise):
-            for inner in (*then, *otherwise):
-                _report_return(inner, context)
-        case ForEach(body=body) | ForRange(body=body):
-            for inner in body:
-                _report_return(inner, context)
-        case _:
-            return
+def _is_left_early(body: tuple[Statement, ...]) -> bool:
+    """Whether a `break` or `continue` of this loop may come before its `return`."""
+    for statement in body:
+        match statement:
+            case Break() | Continue():
+                return True
+            case If(then=then, otherwise=otherwise):
+                if _is_left_early(then) or _is_left_early(otherwise):
+                    return True
+            case Return():
+                return False
+            case _:
+                pass
+    return False
+
+
+def _report_returns_in_foreach(body: tuple[Statement, ...], context: Context) -> None:
+    for loop in statements_within(body):
+        if isinstance(loop, ForEach):
+            for statement in statements_within(loop.body):
+                if isinstance(statement, Return) and statement.location is not None:
+                    context.found.add(errors.ReturnInForeach(location=statement.location))
 
 
 # ---------------------------------------------------------------------------------------- sections
@@ -217,7 +250,9 @@ def _effect(
 ) -> tuple[Statement, ...] | None:
     if not isinstance(section, syntax.Effect):
         return None
-    return check_block(section.statements, scope, Section("effect"), context)
+    statements = check_block(section.statements, scope, Section("effect"), context)
+    check_writes(statements, context.found)
+    return statements
 
 
 def _directions(section: syntax.Section | None, scope: Scope, context: Context) -> tuple[str, ...]:
@@ -234,20 +269,47 @@ def _directions(section: syntax.Section | None, scope: Scope, context: Context) 
     return tuple(name.text for name in section.names)
 
 
+def _check_directions(
+    parameters: tuple[Parameter, ...], names: dict[str, tuple[str, ...]], context: Context
+) -> None:
+    """Each parameter of a generator is an input or an output."""
+    for parameter in parameters:
+        known, found = parameter.name in names["in"], parameter.name in names["out"]
+        if known == found and parameter.location is not None:
+            context.found.add(
+                errors.BadDirection(location=parameter.location, name=parameter.name, is_both=known)
+            )
+
+
+def _has_error_section(node: syntax.Procedure) -> bool:
+    return any(isinstance(section, syntax.ErrorStatement) for section in node.sections)
+
+
 # -------------------------------------------------------------------------------------------- goal
 
 
-def _goal(section: syntax.Section | None, scope: Scope, context: Context) -> Expression | None:
+def check_goal(
+    section: syntax.Goal, scope: Scope, context: Context, *, is_generator: bool = False
+) -> Expression:
+    """The condition of a `goal:`; the paper writes the equation of a generator with one `=`."""
+    if section.equals is None:
+        return check_condition(section.condition, scope, context)
+    left, right = section.condition.span, section.equals.span
+    if not is_generator:
+        sign = context.source.text.index("=", left.end)
+        location = context.location(Span(sign, sign + 1))
+        context.found.add(errors.EqualsInGoal(location=location))
+    whole = Span(left.start, right.end)
+    operands = (section.condition, section.equals)
+    return check_condition(syntax.Comparison(("==",), operands, span=whole), scope, context)
+
+
+def _goal(
+    section: syntax.Section | None, scope: Scope, context: Context, *, is_generator: bool = False
+) -> Expression | None:
     if not isinstance(section, syntax.Goal):
         return None
-    if section.equals is not None:
-        span = section.condition.span
-        equation = syntax.Comparison(
-            ("==",), (section.condition, section.equals), span=type(span)(span[0], section.span[1])
-        )
-        goal = check_condition(equation, scope, context)
-    else:
-        goal = check_condition(section.condition, scope, context)
+    goal = check_goal(section, scope, context, is_generator=is_generator)
     if goal.type != UNKNOWN and (reason := _why_no_goal(goal)) is not None:
         location = context.location(section.condition.span)
         context.found.add(errors.UnsupportedGoal(location=location, reason=reason))
@@ -359,11 +421,6 @@ def _unpromotable(member: Statement) -> tuple[str, str]:
             return "a loop over a range", "before or after"
 
 
-def check_open_condition(node: syntax.Expression, context: Context) -> Expression:
-    """An expression without locals, such as a problem's goal."""
-    return check_condition(node, Scope(), context)
-
-
 def check_open_value(node: syntax.Expression, context: Context) -> Expression:
-    """A value without locals, such as what a problem minimizes."""
-    return check_expression(node, Scope(), context)
+    """A number without locals, such as what a problem minimizes."""
+    return check_number(node, Scope(), context)

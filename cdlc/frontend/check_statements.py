@@ -1,68 +1,34 @@
 """Statements of bodies, effects, derived functions and `init` (language.md §3)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal, cast
+from dataclasses import replace
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.annotations import check_annotations
+from cdlc.frontend.check_assignments import check_assignment
+from cdlc.frontend.check_binds import check_bind, check_let
+from cdlc.frontend.check_expressions import check_arguments, check_condition, check_value
+from cdlc.frontend.check_types import check_not_hiding, check_variables, introduce
+from cdlc.frontend.ranges import check_range, copies
+from cdlc.frontend.scope import Context, Loop, Scope
+from cdlc.frontend.sections import Section, misplaced, report_misplaced
 from crow.program import (
     INT64,
-    UNKNOWN,
     Achieve,
-    Arithmetic,
     Assert,
-    Assign,
-    Bind,
     Break,
     Call,
     Commit,
-    Compare,
     Continue,
     Do,
-    Expression,
-    Feature,
     ForEach,
     ForRange,
     Group,
     If,
-    Let,
     Parameter,
     Return,
-    SetLocal,
     Statement,
-    Type,
-    Variable,
 )
-from crow.program.types import is_number
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.annotations import check_annotations
-from cdlc.frontend.check_expressions import (
-    check_arguments,
-    check_call,
-    check_condition,
-    check_expression,
-    check_value,
-)
-from cdlc.frontend.check_types import check_not_hiding, check_variables, resolve_type
-from cdlc.frontend.ranges import check_range
-from cdlc.frontend.scope import Context, LocalKind, Scope, is_condition
-
-SectionKind = Literal["body", "effect", "function", "init"]
-
-SECTION_NAMES: dict[SectionKind, str] = {
-    "body": "a body",
-    "effect": "an effect",
-    "function": "a derived function",
-    "init": "the initial state",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class Section:
-    """Where statements stand: the kind of section, and in a function the type to return."""
-
-    kind: SectionKind
-    returns: Type = UNKNOWN
 
 
 def check_block(
@@ -82,7 +48,9 @@ def check_sequence(
         if typed is None:
             continue
         if statement.annotations:
-            typed = replace(typed, annotations=check_annotations(statement.annotations, context))
+            typed = replace(
+                typed, annotations=check_annotations(statement.annotations, "statement", context)
+            )
         checked.append(typed)
     return tuple(checked), scope
 
@@ -93,15 +61,15 @@ Checked = tuple[Statement | None, Scope]
 def _check_statement(
     node: syntax.Statement, scope: Scope, section: Section, context: Context
 ) -> Checked:
-    if (wrong := _misplaced(node, section)) is not None:
+    if (wrong := misplaced(node, section)) is not None:
         what, advice = wrong
-        _report_misplaced(node, what, section, advice, context)
+        report_misplaced(node, what, section, advice, context)
         return None, scope
     match node:
         case syntax.Let():
-            return _let(node, scope, context)
+            return check_let(node, scope, context)
         case syntax.Bind():
-            return _bind(node, scope, context)
+            return check_bind(node, scope, context)
         case syntax.ErrorStatement():
             return None, scope
         case _:
@@ -123,7 +91,7 @@ def _check_plain(
         case syntax.CallStatement():
             return _call(node, scope, context)
         case syntax.Assignment():
-            return _assignment(node, scope, section, context)
+            return check_assignment(node, scope, section, context)
         case syntax.Word():
             return _word(node, scope, context)
         case syntax.Group(order=order, body=body):
@@ -140,178 +108,6 @@ def _check_plain(
             return _if(node, node.branches, scope, section, context)
         case _:
             raise AssertionError(node)
-
-
-# ---------------------------------------------------------------------------- what may stand where
-
-_EVERYWHERE: tuple[SectionKind, ...] = ("body", "effect", "function", "init")
-_DOING = "effects and functions only compute; move it into `body:`"
-_CHANGING = "only effects change features; move it into `eff:`"
-
-
-def _misplaced(node: syntax.Statement, section: Section) -> tuple[str, str] | None:
-    """The statement in words and a cure, when it cannot stand in this kind of section."""
-    what, allowed, advice = _placement(node)
-    return None if section.kind in allowed else (what, advice)
-
-
-def _placement(node: syntax.Statement) -> tuple[str, tuple[SectionKind, ...], str]:
-    match node:
-        case syntax.Assert():
-            return "`assert`", ("body",), _DOING
-        case syntax.Achieve(once=once):
-            return ("`achieve_once`" if once else "`achieve`"), ("body",), _DOING
-        case syntax.CallStatement():
-            return "a call", ("body",), _DOING
-        case syntax.Bind():
-            return "`bind`", ("body",), _DOING
-        case syntax.Group(order=order):
-            return f"`{order}:`", ("body",), _DOING
-        case syntax.Promotable():
-            return "`promotable:`", ("body",), _DOING
-        case syntax.Word(word="commit"):
-            return "`commit`", ("body",), _DOING
-        case syntax.Word(word="break" | "continue" as word):
-            advice = "in a body, `for` repeats its block a fixed number of times; use `if`"
-            return f"`{word}`", ("effect", "function"), advice
-        case syntax.Return():
-            return "`return`", ("function",), "only a `def` returns a value"
-        case syntax.Assignment(target=syntax.Call()):
-            return "an assignment to a feature", ("effect", "init"), _CHANGING
-        case _:
-            return "", _EVERYWHERE, ""
-
-
-def _report_misplaced(
-    node: syntax.Statement, what: str, section: Section, advice: str, context: Context
-) -> None:
-    context.found.add(
-        errors.MisplacedStatement(
-            location=context.location(node.span),
-            statement=what,
-            section=SECTION_NAMES[section.kind],
-            advice=advice,
-        )
-    )
-
-
-# -------------------------------------------------------------------------------------- variables
-
-
-def _introduce(
-    variables: tuple[Parameter, ...], kind: LocalKind, scope: Scope, context: Context
-) -> Scope:
-    """Add variables to the scope, warning of earlier ones they shadow."""
-    for variable in variables:
-        earlier = scope.get(variable.name)
-        if earlier is not None and variable.location is not None:
-            context.found.add(
-                errors.Shadowing(
-                    location=variable.location,
-                    name=variable.name,
-                    first=earlier.variable.location,
-                )
-            )
-        scope = scope.add(variable, kind)
-    return scope
-
-
-def _let(node: syntax.Let, scope: Scope, context: Context) -> Checked:
-    if node.type is not None:
-        type_ = resolve_type(node.type, context)
-        value = check_value(node.value, type_, scope, context)
-    else:
-        value = check_expression(node.value, scope, context)
-        type_ = value.type
-    check_not_hiding(node.name, context)
-    variable = Parameter(node.name.text, type_, location=context.location(node.name.span))
-    after = _introduce((variable,), "local", scope, context)
-    return Let(variable, value, location=context.location(node.span)), after
-
-
-def _bind(node: syntax.Bind, scope: Scope, context: Context) -> Checked:
-    location = context.location(node.span)
-    if node.variables[-1].type is None:
-        return _untyped_bind(node, scope, context)
-    variables = check_variables(node.variables, context, only_objects=False)
-    if node.condition is None:
-        after = _introduce(variables, "bound", scope, context)
-        return Bind(variables, None, location=location), after
-    if node.form == "equal":
-        return _bind_equal(node, variables, scope, context)
-    after = _introduce(variables, "bound", scope, context)
-    condition = check_condition(node.condition, after, context)
-    return Bind(variables, condition, location=location), after
-
-
-def _bind_equal(
-    node: syntax.Bind, variables: tuple[Parameter, ...], scope: Scope, context: Context
-) -> Checked:
-    """`bind v: T = e`: a condition over `v` if `e` is Boolean and `T` is not, else `v == e`."""
-    assert node.condition is not None
-    location = context.location(node.span)
-    after = _introduce(variables, "bound", scope, context)
-    value = check_expression(node.condition, after, context, variables[-1].type)
-    if is_condition(value.type) and not is_condition(variables[-1].type):
-        return Bind(variables, value, location=location), after
-    return _bind_to_value(node, variables, value, context), after
-
-
-def _bind_to_value(
-    node: syntax.Bind,
-    variables: tuple[Parameter, ...],
-    value: Expression,
-    context: Context,
-) -> Statement:
-    location = context.location(node.span)
-    last = variables[-1]
-    if not context.declarations.fits(value.type, last.type):
-        context.found.add(
-            errors.WrongType(
-                location=value.location or location,
-                expected=f"`{last.type}`",
-                found=value.type,
-                declared=last.location,
-            )
-        )
-    variable = Variable(last.name, last.type, location=last.location)
-    return Bind(variables, Compare("==", variable, value, location=location), location=location)
-
-
-def _untyped_bind(node: syntax.Bind, scope: Scope, context: Context) -> Checked:
-    """`bind v = f(a, v)` or `bind v: f(a, v)`: the type is that of the parameter `v` stands for."""
-    *_, last = node.variables
-    location = context.location(last.span)
-    type_ = _type_in_call(last.name.text, node.condition, context)
-    if type_ is None and node.form == "equal" and node.condition is not None:
-        type_ = check_expression(node.condition, scope, context).type
-    if type_ is None or len(node.variables) > 1:
-        context.found.add(errors.MissingType(location=location, name=last.name.text))
-        type_ = UNKNOWN
-    check_not_hiding(last.name, context)
-    variable = Parameter(last.name.text, type_, location=location)
-    after = _introduce((variable,), "bound", scope, context)
-    if node.condition is None:
-        return Bind((variable,), None, location=location), after
-    value = check_expression(node.condition, after, context)
-    if is_condition(value.type) and not is_condition(type_):
-        return Bind((variable,), value, location=context.location(node.span)), after
-    return _bind_to_value(node, (variable,), value, context), after
-
-
-def _type_in_call(name: str, node: syntax.Expression | None, context: Context) -> Type | None:
-    match node:
-        case syntax.Call(name=called, arguments=arguments):
-            declared = context.declarations
-            function = declared.functions.get(called.text) or declared.features.get(called.text)
-            if function is None:
-                return None
-            for parameter, argument in zip(function.parameters, arguments, strict=False):
-                if isinstance(argument, syntax.NameExpression) and argument.name == name:
-                    return parameter.type
-            return None
-        case _:
-            return None
 
 
 # ------------------------------------------------------------------------------------------ calls
@@ -362,107 +158,6 @@ def _report_no_command(node: syntax.CallStatement, context: Context) -> None:
     )
 
 
-# ------------------------------------------------------------------------------------ assignments
-
-
-def _assignment(
-    node: syntax.Assignment, scope: Scope, section: Section, context: Context
-) -> Statement | None:
-    match node.target:
-        case syntax.NameExpression(name=name) if scope.get(name) is not None:
-            return _set_local(node, name, scope, context)
-        case syntax.NameExpression(name=name) as target:
-            if section.kind in ("body", "function") and name in context.declarations.features:
-                what = "an assignment to a feature"
-                _report_misplaced(node, what, section, _CHANGING, context)
-                return None
-            call = syntax.Call(
-                syntax.Name(name, span=target.span), (), bracketed=True, span=target.span
-            )
-            return _assign(node, call, scope, context)
-        case syntax.Call(bracketed=False) as target:
-            text = context.source.text[target.span.start : target.span.end]
-            cell = f"{target.name.text}[{text[len(target.name.text) + 1 : -1] or '...'}]"
-            location = context.location(target.span)
-            context.found.add(errors.CallForIndex(location=location, cell=cell))
-            return _assign(node, target, scope, context)
-        case syntax.Call() as target:
-            return _assign(node, target, scope, context)
-
-
-def _assign(
-    node: syntax.Assignment, target: syntax.Call, scope: Scope, context: Context
-) -> Statement | None:
-    name, declared = target.name.text, context.declarations
-    feature = declared.features.get(name)
-    if feature is None:
-        _report_not_assignable(target, scope, context)
-        return None
-    cell = check_call(target, scope, context)
-    value = _assigned_value(node, feature, scope, context)
-    arguments = getattr(cell, "arguments", ())
-    location = context.location(node.span)
-    return Assign(name, arguments, node.operator, value, location=location)
-
-
-def _assigned_value(
-    node: syntax.Assignment, feature: Feature, scope: Scope, context: Context
-) -> Expression:
-    if node.operator != "=" and not _can_augment(feature.type):
-        context.found.add(
-            errors.WrongType(
-                location=context.location(node.target.span),
-                expected=f"a number for `{node.operator}`",
-                found=feature.type,
-                declared=feature.location,
-            )
-        )
-        return check_expression(node.value, scope, context)
-    return check_value(node.value, feature.type, scope, context, feature)
-
-
-def _can_augment(type_: Type) -> bool:
-    return is_number(type_) or str(type_).startswith("vector")
-
-
-def _report_not_assignable(target: syntax.Call, scope: Scope, context: Context) -> None:
-    name, declared = target.name.text, context.declarations
-    location = context.location(target.name.span)
-    kind = declared.kind(name)
-    if scope.get(name) is not None:
-        kind = "variable"
-    if kind is not None:
-        context.found.add(errors.NotAssignable(location=location, name=name, is_a=kind))
-        return
-    known = [*declared.features, *scope]
-    context.found.add(errors.UnknownFeature(location=location, name=name, known=known))
-
-
-def _set_local(
-    node: syntax.Assignment, name: str, scope: Scope, context: Context
-) -> Statement | None:
-    local = scope.get(name)
-    assert local is not None
-    location = context.location(node.span)
-    if local.kind != "local":
-        words = {"parameter": "parameter", "bound": "bound variable", "loop": "loop variable"}
-        is_a = words.get(local.kind, "variable")
-        target = context.location(node.target.span)
-        context.found.add(errors.NotAssignable(location=target, name=name, is_a=is_a))
-        return None
-    if local.depth < scope.depth:
-        first = local.variable.location
-        context.found.add(errors.OuterLocal(location=location, name=name, first=first))
-        return None
-    type_ = local.variable.type
-    value = check_value(node.value, type_, scope, context, local.variable)
-    if node.operator != "=":
-        operator = cast("Literal['+', '-', '*', '/']", node.operator[0])
-        variable = Variable(name, type_, location=context.location(node.target.span))
-        value = Arithmetic(operator, variable, value, type_, location=location)
-    return SetLocal(name, value, location=location)
-
-
 # ---------------------------------------------------------------------------------------- control
 
 _WORDS: dict[str, Callable[..., Statement]] = {
@@ -486,7 +181,7 @@ def _word(node: syntax.Word, scope: Scope, context: Context) -> Statement | None
 
 def _foreach(node: syntax.ForEach, scope: Scope, section: Section, context: Context) -> Statement:
     variables = check_variables(node.variables, context, only_objects=True)
-    inner = _introduce(variables, "loop", scope.inside_foreach(), context)
+    inner = introduce(variables, "loop", scope.inside_foreach(), context)
     body = check_block(node.body, inner, section, context)
     return ForEach(variables, body, location=context.location(node.span))
 
@@ -495,10 +190,11 @@ def _for_range(
     node: syntax.ForRange, scope: Scope, section: Section, context: Context
 ) -> Statement:
     bounds = check_range(node, scope, context)
+    loop = Loop(context.location(node.span), copies(bounds))
     check_not_hiding(node.variable, context)
     location = context.location(node.variable.span)
     variable = Parameter(node.variable.text, INT64, location=location)
-    inner = _introduce((variable,), "loop", scope.inside_for(), context)
+    inner = introduce((variable,), "loop", scope.inside_for(loop), context)
     body = check_block(node.body, inner, section, context)
     return ForRange(variable, *bounds, body, location=context.location(node.span))
 

@@ -1,5 +1,7 @@
 """Types as written to types of the program, and lists of typed names to parameters."""
 
+from cdlc.frontend import errors, syntax
+from cdlc.frontend.scope import Context, LocalKind, Scope
 from crow.program import (
     UNKNOWN,
     ListType,
@@ -9,9 +11,6 @@ from crow.program import (
     UnknownType,
     VectorType,
 )
-
-from cdlc.frontend import errors, syntax
-from cdlc.frontend.scope import Context
 
 
 def resolve_type(written: syntax.Type, context: Context) -> Type:
@@ -43,15 +42,15 @@ def _unknown_type(name: str, node: syntax.Node, known: list[str], context: Conte
 
 
 def check_parameters(
-    written: tuple[syntax.TypedName, ...], context: Context
+    written: tuple[syntax.TypedName, ...], context: Context, *, inferred: bool = False
 ) -> tuple[Parameter, ...]:
-    """The parameters of a definition; a name without a type is reported."""
+    """The parameters of a definition; a name without a type is reported unless it is inferred."""
     parameters: list[Parameter] = []
     for item in written:
         type_: Type = UNKNOWN
         if item.type is not None:
             type_ = resolve_type(item.type, context)
-        else:
+        elif not inferred:
             location = context.location(item.span)
             context.found.add(errors.MissingType(location=location, name=item.name.text))
         parameters.append(_parameter(item.name, type_, parameters, context))
@@ -77,6 +76,25 @@ def check_variables(
             variables.append(_parameter(name, type_, variables, context))
         pending.clear()
     return tuple(variables)
+
+
+def introduce(
+    variables: tuple[Parameter, ...], kind: LocalKind, scope: Scope, context: Context
+) -> Scope:
+    """Add variables to the scope, warning of earlier ones they shadow."""
+    inner = scope
+    for variable in variables:
+        earlier = scope.get(variable.name)
+        if earlier is not None and variable.location is not None:
+            context.found.add(
+                errors.Shadowing(
+                    location=variable.location,
+                    name=variable.name,
+                    first=earlier.variable.location,
+                )
+            )
+        inner = inner.add(variable, kind)
+    return inner
 
 
 def _parameter(

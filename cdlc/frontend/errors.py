@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from crow.program import Location, Type
-
 from cdlc.diagnostics import Diagnostic, Help, Label, Lint, Replacement, suggest
+from crow.program import Location, Type
 
 # ------------------------------------------------------------------------------------ reading files
 
@@ -340,6 +339,17 @@ class Elision(Diagnostic):
 
 # -------------------------------------------------------------------------------------------- names
 
+# What is a literal or an object elsewhere, with its CDL spelling and advice.
+_OTHER_LITERALS: dict[str, tuple[str | None, str]] = {
+    "true": ("True", "write `True`"),
+    "false": ("False", "write `False`"),
+    **dict.fromkeys(
+        ("None", "null", "nil"),
+        (None, "there is no such value: every feature has one of its type"),
+    ),
+    "self": (None, "there is no `self`; a behavior reads features of its parameters"),
+}
+
 
 @dataclass(frozen=True, kw_only=True)
 class UnknownName(Diagnostic):
@@ -361,7 +371,13 @@ class UnknownName(Diagnostic):
     def label(self) -> str:
         return "not defined"
 
+    def missing_name(self) -> str | None:
+        return self.name
+
     def help(self) -> tuple[Help, ...]:
+        if self.name in _OTHER_LITERALS:
+            literal, text = _OTHER_LITERALS[self.name]
+            return (Help(text, None if literal is None else Replacement(self.location, literal)),)
         return suggest(self.name, list(self.known), self.location)
 
 
@@ -483,7 +499,8 @@ class WrongKind(Diagnostic):
     defined: Location | None
 
     def message(self) -> str:
-        return f"`{self.name}` is a {self.is_a}, not a {self.wanted}"
+        article = "an" if self.is_a[0] in "aeio" else "a"
+        return f"`{self.name}` is {article} {self.is_a}, not a {self.wanted}"
 
     def labels(self) -> tuple[Label, ...]:
         return () if self.defined is None else (Label(self.defined, "defined here"),)
@@ -503,9 +520,35 @@ class UnknownAnnotation(Lint):
     """
 
     name: str
+    near: str | None = None
 
     def message(self) -> str:
         return f"unknown annotation `{self.name}`"
+
+    def help(self) -> tuple[Help, ...]:
+        return () if self.near is None else (Help(f"did you mean `{self.near}`?"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BadAnnotation(Diagnostic):
+    """A known annotation in the wrong place or with the wrong value.
+
+        feature [[min=20, max=0]] level(x: tank) -> int32
+
+    `min` and `max` bound a feature of an integer type; `reads` names the features that an external
+    function reads, or `all`; `max_nested` on a behavior is a whole number from 1 on; `tolerance` on
+    a value typedef is a number; `pddl` is a string. Correct the value, or move the annotation.
+    """
+
+    name: str
+    reason: str
+    example: str
+
+    def message(self) -> str:
+        return f"wrong annotation `{self.name}`: {self.reason}"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"for example `{self.example}`"),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -531,10 +574,12 @@ class WrongArgumentCount(Diagnostic):
     expected: int
     found: int
     declared: Location | None
+    most: int | None = None
 
     def message(self) -> str:
-        plural = "" if self.expected == 1 else "s"
-        return f"`{self.name}` takes {self.expected} argument{plural}, not {self.found}"
+        plural = "" if self.expected == 1 and self.most is None else "s"
+        wanted = f"{self.expected}" if self.most is None else f"{self.expected} to {self.most}"
+        return f"`{self.name}` takes {wanted} argument{plural}, not {self.found}"
 
     def labels(self) -> tuple[Label, ...]:
         return () if self.declared is None else (Label(self.declared, "declared here"),)
@@ -631,6 +676,40 @@ class NotAnObjectType(Diagnostic):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ValueIndex(Diagnostic):
+    """A feature indexed by a value instead of objects.
+
+        feature level(n: int64) -> float32
+        level[count(x) + 1]
+
+    Features are tables over the finitely many objects of a problem, and which cell is read or
+    written cannot depend on a computed value (data-obliviousness, Appendix D.1). Introduce an
+    object type for the index, or write `f(x) if v == 0 else g(x)` for a few values.
+    """
+
+    type: Type
+    feature: str | None = None
+    declared: Location | None = None
+
+    def message(self) -> str:
+        if self.feature is None:
+            return f"a feature cannot be indexed by `{self.type}`"
+        return f"`{self.feature}` is indexed by objects, not by `{self.type}`"
+
+    def label(self) -> str:
+        return "not an object"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.declared is None else (Label(self.declared, "declared here"),)
+
+    def notes(self) -> tuple[str, ...]:
+        return ("which cell is read cannot depend on a computed value: CDL is data-oblivious",)
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("introduce an object type for what it counts: `typedef T: object`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
 class TypeCycle(Diagnostic):
     """A `typedef` that is based on itself.
 
@@ -689,10 +768,19 @@ class MissingType(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class NumberTooLarge(Diagnostic):
-    """A literal outside every width of its kind: int64 holds up to 2**63 - 1."""
+    """A literal that its type cannot hold: int64 ends at 2**63 - 1, int32 at 2**31 - 1.
+
+        feature count() -> int32
+        init:
+          count = 3000000000
+
+    Use a wider type, or a smaller unit.
+    """
+
+    bits: int = 64
 
     def message(self) -> str:
-        return "number does not fit into 64 bits"
+        return f"number does not fit into {self.bits} bits"
 
 
 # --------------------------------------------------------------------------------------- statements
@@ -813,6 +901,22 @@ class UnsupportedGoal(Diagnostic):
 
 
 @dataclass(frozen=True, kw_only=True)
+class EqualsInGoal(Diagnostic):
+    """A goal with `=` where a comparison is meant.
+
+        goal: position(o) = p
+
+    Compare with `==`. Only the goal of a generator may be written with `=`, as in Appendix B.1.
+    """
+
+    def message(self) -> str:
+        return "`=` does not compare"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("compare with `==`", Replacement(self.location, "==")),)
+
+
+@dataclass(frozen=True, kw_only=True)
 class CallForIndex(Diagnostic):
     """An assignment to a call instead of to a cell.
 
@@ -860,9 +964,17 @@ class RecursiveCall(Diagnostic):
     """
 
     chain: Sequence[str]
+    steps: Sequence[tuple[str, str, Location | None]] = ()
 
     def message(self) -> str:
         return f"recursive call: {' → '.join(self.chain)}"
+
+    def labels(self) -> tuple[Label, ...]:
+        return tuple(
+            Label(place, f"`{caller}` calls `{called}`")
+            for caller, called, place in self.steps
+            if place is not None
+        )
 
     def help(self) -> tuple[Help, ...]:
         return (Help("functions cannot recur; behaviors recur through `achieve`"),)
@@ -913,6 +1025,36 @@ class MisplacedPart(Diagnostic):
 
 
 @dataclass(frozen=True, kw_only=True)
+class OutOfBounds(Diagnostic):
+    """An initial value outside the bounds of its feature.
+
+        feature [[min=0, max=20]] level(x: tank) -> int32
+        init:
+          level[A] = 21
+
+    Correct the value or the bounds.
+    """
+
+    feature: str
+    value: int
+    low: int | None
+    high: int | None
+    declared: Location | None
+
+    def message(self) -> str:
+        return f"{self.value} is outside the bounds of `{self.feature}`"
+
+    def label(self) -> str:
+        low, high = self.low, self.high
+        if low is None:
+            return f"at most {high}"
+        return f"at least {low}" if high is None else f"{low} to {high}"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.declared is None else (Label(self.declared, "declared here"),)
+
+
+@dataclass(frozen=True, kw_only=True)
 class WrongFileKind(Diagnostic):
     """A problem where a domain is wanted, or a domain where a problem is.
 
@@ -941,11 +1083,13 @@ class RangeNotConstant(Diagnostic):
     number, or `foreach o: T:` to run once for each object.
     """
 
+    reason: str = "not a whole number"
+
     def message(self) -> str:
         return "the bound of `range` is not known at compile time"
 
     def label(self) -> str:
-        return "not a whole number"
+        return self.reason
 
     def help(self) -> tuple[Help, ...]:
         return (Help("use a number, or `foreach o: T:` over objects"),)
@@ -957,16 +1101,27 @@ class UnrollLimit(Diagnostic):
 
         for i in range(10**12):
 
-    Loops over a range are unrolled. Use fewer iterations, or arithmetic instead of a loop.
+    Loops over a range are unrolled, and in nested loops the numbers of copies multiply. Use fewer
+    iterations, or arithmetic instead of a loop.
     """
 
-    copies: int | None
+    variable: str
+    copies: int
     limit: int
+    around: Sequence[Location] = ()
 
     def message(self) -> str:
-        if self.copies is None:
-            return "the step of `range` is 0"
-        return f"the loop would be unrolled {self.copies:,} times; the limit is {self.limit:,}"
+        times = f"{self.copies:,}" if self.copies < 10**30 else "over 10**30"
+        return (
+            f"the loop over `{self.variable}` would be unrolled into {times} copies;"
+            f" the limit is {self.limit:,}"
+        )
+
+    def labels(self) -> tuple[Label, ...]:
+        return tuple(Label(location, "inside this loop") for location in self.around)
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("use fewer iterations, or arithmetic instead of a loop"),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1015,6 +1170,73 @@ class OutsideLoop(Diagnostic):
 
 
 @dataclass(frozen=True, kw_only=True)
+class WriteConflict(Diagnostic):
+    """Iterations of a `foreach` that write different values to one cell.
+
+        foreach x: block:
+          highest[...] = x
+        foreach x: block:
+          weight[...] += mass(x)
+
+    The iterations run in parallel (Appendix D.3): each reads the state before the loop and its own
+    writes, so nothing adds up and no iteration is the last. Write a cell of each object,
+    `f[x] = e`, or say with `exists` and `forall` what holds afterwards.
+    """
+
+    cell: str
+    variable: str
+    loop: Location | None
+    augments: bool
+
+    def message(self) -> str:
+        if self.augments:
+            return f"the iterations over `{self.variable}` all change `{self.cell}`"
+        return f"the iterations over `{self.variable}` write different values to `{self.cell}`"
+
+    def label(self) -> str:
+        return f"this cell does not depend on `{self.variable}`, its value does"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.loop is None else (Label(self.loop, "parallel iterations"),)
+
+    def help(self) -> tuple[Help, ...]:
+        if self.augments:
+            return (
+                Help(
+                    "iterations do not add up, as each starts from the value before the loop; count"
+                    " in an external function, or keep one cell an object"
+                ),
+            )
+        return (Help(f"index the cell by `{self.variable}`, or write it outside the `foreach`"),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PossibleWriteConflict(Lint):
+    """Iterations of a `foreach` that write one cell, each with a value of its own.
+
+        foreach x: block:
+          loaded[...] = on(x, truck)
+
+    Unless all values are equal, this is an error when the effect is applied: iterations are
+    parallel and none is the last. Write what holds afterwards:
+    `loaded[...] = exists x: block: on(x, truck)`.
+    """
+
+    cell: str
+    variable: str
+    loop: Location | None
+
+    def message(self) -> str:
+        return f"the iterations over `{self.variable}` may write different values to `{self.cell}`"
+
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.loop is None else (Label(self.loop, "parallel iterations"),)
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("write the cell once, with `exists`, `forall` or a conditional value"),)
+
+
+@dataclass(frozen=True, kw_only=True)
 class MissingReturn(Diagnostic):
     """A `def` with a way through it that returns nothing.
 
@@ -1047,9 +1269,40 @@ class ReturnInForeach(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class MissingSection(Diagnostic):
-    """A generator without a goal: what it generates values for is not said."""
+    """A generator without a section it needs.
+
+        generator sample(o: Object, g: Grasp):
+          in: o
+          out: g
+
+    `goal:` says which constraint it finds values for, and `out:` which values it yields.
+    """
 
     section: str
 
     def message(self) -> str:
         return f"there is no `{self.section}:`"
+
+
+@dataclass(frozen=True, kw_only=True)
+class BadDirection(Diagnostic):
+    """A parameter of a generator that is neither input nor output, or both.
+
+        generator invert_f(x, y, z):
+          goal: f(x, y) == z
+          in: z
+          out: x
+
+    List every parameter once, after `in:` if its value is given or after `out:` if it is found.
+    """
+
+    name: str
+    is_both: bool
+
+    def message(self) -> str:
+        if self.is_both:
+            return f"`{self.name}` is both an input and an output"
+        return f"`{self.name}` is neither an input nor an output"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("list it once, after `in:` if it is given or after `out:` if it is found"),)

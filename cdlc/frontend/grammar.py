@@ -22,7 +22,7 @@ STARTS = ["definition", "statement", "objects_line", "file"]
 class _KeepTokens:
     """Tells lark to lex terminals that no rule uses; the stream itself is left alone."""
 
-    always_accept = ("LINE_END", "UNREADABLE", "RESERVED")
+    always_accept = ("LINE_END", "RESERVED", "UNCLOSED", "QUOTED", "FOREIGN", "UNREADABLE")
 
     def process(self, stream: Iterator[lark.Token]) -> Iterator[lark.Token]:
         return stream

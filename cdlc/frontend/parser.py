@@ -1,50 +1,57 @@
-"""Text to syntax: one definition at a time, carrying on after each mistake."""
+"""Text to syntax: one definition at a time, carrying on after each mistake.
 
+A definition with a mistake is read again after each repair: a token put right, a missing colon or
+block supplied, a line marked as unreadable. So every independent mistake is found, and what can be
+understood is still checked.
+"""
+
+from collections import deque
+from collections.abc import Iterable
 from typing import Any
 
-from crow.program import Location
 from lark import Token, UnexpectedToken
-from lark.parsers.lalr_interactive_parser import InteractiveParser
 
-from cdlc.diagnostics import Collector, Help, Replacement, nearest
+from cdlc.diagnostics import Collector
 from cdlc.frontend import errors, grammar, syntax
-from cdlc.frontend.build import token_span
-from cdlc.frontend.layout import Line, flatten, read_lines
+from cdlc.frontend.build import string_value, token_span
+from cdlc.frontend.depth import MAX_DEPTH, too_deep
+from cdlc.frontend.layout import Line, flatten, names_of, read_lines
+from cdlc.frontend.mistakes import HEADERS, SECTIONS, STATEMENTS, Unexpected, correct, report
 from cdlc.source import SourceFile, Span
 
 MAX_LINE = 1_000_000
 # A text with more mistakes in one definition is no CDL; the rest would only bury them.
 MAX_MISTAKES = 20
 
-_WHOLE_LINES = frozenset(("INIT", "OBJECTS"))
 _CONTINUATIONS = frozenset(("ELIF", "ELSE"))
-_HEADERS = ["typedef", "feature", "def", "controller", "behavior", "action", "generator", "include"]
-_HEADERS += ["object_constant", "domain", "problem", "objects", "init", "goal", "minimize"]
-_SECTIONS = ["goal", "body", "eff", "in", "out"]
+_SECTION_BLOCKS = frozenset(("BODY", "EFF", "INIT"))
+_HAVE_SECTIONS = frozenset(("BEHAVIOR", "ACTION", "CONTROLLER", "GENERATOR"))
+# Unreadable lines that start with one of these still open a block of statements.
+_BLOCK_STATEMENTS = frozenset(
+    ("IF", "ELIF", "ELSE", "FOR", "FOREACH", "FORALL", "PROMOTABLE", "SEQUENTIAL", "UNORDERED",
+     "ALTERNATIVE")
+)  # fmt: skip
 
-
-Stream = list[tuple[Token, Line]]
-"""The tokens of a definition, each with the line it stands on."""
+# A start symbol yields what its rule builds.
+Tree = Any
 
 
 def parse(source: SourceFile, found: Collector) -> syntax.Module:
     """Read a file. What cannot be read is reported to `found` and left out of the tree."""
     whole = Span(0, len(source.text))
     if not _is_readable(source, found):
+        found.forgive_names()
         return syntax.Module((), span=whole)
     tokens = grammar.parser().lex(source.text)
-    definitions: list[syntax.Definition] = []
-    for line in _join_continuations(read_lines(source, tokens, found)):
-        definition = _parse_definition(source, line, found)
-        if not isinstance(definition, syntax.ErrorStatement):
-            definitions.append(definition)
+    reader = _Reader(source, found, read_lines(source, tokens, found))
+    definitions = tuple(reader.definitions())
     _warn_of_pragmas(source, found)
-    return syntax.Module(tuple(definitions), span=whole)
+    return syntax.Module(definitions, span=whole)
 
 
 def _is_readable(source: SourceFile, found: Collector) -> bool:
-    for number, start in enumerate(source.line_starts, 1):
-        end = source.line_starts[number] if number < len(source.line_starts) else len(source.text)
+    ends = (*source.line_starts[1:], len(source.text))
+    for start, end in zip(source.line_starts, ends, strict=True):
         if end - start > MAX_LINE:
             location = source.location(Span(start, start))
             found.add(errors.LineTooLong(location=location, limit=MAX_LINE))
@@ -62,7 +69,7 @@ def _warn_of_pragmas(source: SourceFile, found: Collector) -> None:
         position = source.text.find("#!pragma", position + 1)
 
 
-def _join_continuations(lines: list[Line]) -> list[list[Line]]:
+def _join_continuations(lines: Iterable[Line]) -> list[list[Line]]:
     """Group each line with the `elif` and `else` lines that continue it."""
     groups: list[list[Line]] = []
     for line in lines:
@@ -73,113 +80,266 @@ def _join_continuations(lines: list[Line]) -> list[list[Line]]:
     return groups
 
 
-def _parse_definition(source: SourceFile, lines: list[Line], found: Collector) -> syntax.Definition:
-    """Parse one definition; long `init:` and `objects:` sections go line by line.
-
-    That keeps a mistake in a section of 100,000 facts from costing more than its own line.
-    """
-    head = lines[0]
-    if head.tokens[0].type in _WHOLE_LINES and len(head.tokens) == 2 and head.block:
-        word = head.tokens[0]
-        if head.tokens[1].type == "COLON":
-            parts = _join_continuations(head.block)
-            if word.type == "OBJECTS":
-                objects = [_parse(source, part, "objects_line", found) for part in parts]
-                return syntax.Objects(tuple(objects), span=token_span(word))
-            statements = [_parse(source, part, "statement", found) for part in parts]
-            flat = [
-                s for part in statements for s in (part if isinstance(part, tuple) else (part,))
-            ]
-            return syntax.Init(tuple(flat), span=token_span(word))
-    result: syntax.Definition = _parse(source, lines, "definition", found)
-    return result
-
-
-# What a start symbol yields is known to its rule only.
-def _parse(source: SourceFile, lines: list[Line], start: str, found: Collector) -> Any:
-    """Read lines from a start symbol, as often as mistakes can be mended and it gets further."""
-    for _ in range(MAX_MISTAKES):
-        parser = grammar.parser().parse_interactive(start=start)
-        stream = [item for line in lines for item in flatten(line)]
-        failed = _feed(parser, stream)
-        if failed is None:
-            return _feed_eof(parser)
-        if not _repair(source, stream, failed, _accepts(parser), lines, found):
-            break
-    return syntax.ErrorStatement(span=lines[0].span)
-
-
-def _feed(parser: InteractiveParser, stream: Stream) -> int | None:
-    """Feed tokens; the index of the first one that does not fit, if there is one."""
-    for index, (token, _owner) in enumerate(stream):
-        try:
-            parser.feed_token(token)
-        except UnexpectedToken:
-            return index
-    return None
-
-
 # lark's interactive parser has no type annotations.
-def _feed_eof(parser: Any) -> Any:
-    return parser.feed_eof()
+def _parser(start: str) -> Any:
+    return grammar.parser().parse_interactive(start=start)
 
 
-def _accepts(parser: Any) -> set[str]:
-    return set(parser.accepts())
+def _accepted(start: str, stream: list[tuple[Token, Line]]) -> frozenset[str]:
+    """What may follow a stream.
 
-
-def _repair(
-    source: SourceFile,
-    stream: Stream,
-    index: int,
-    accepted: set[str],
-    lines: list[Line],
-    found: Collector,
-) -> bool:
-    """Report the mistake at a token and change its line so that the next attempt gets past it.
-
-    False when the definition cannot be saved.
+    It is read again, since a token that does not fit may have led to reductions before it failed.
     """
-    token, line = stream[index]
-    if token.type == "ERROR":
-        return False
-    if token.type == "_NEWLINE" and "COLON" in accepted and line.block:
+    parser = _parser(start)
+    for token, _line in stream:
+        parser.feed_token(token)
+    return frozenset(parser.accepts())
+
+
+class _Reader:
+    """Reads the definitions of a file from its lines, mending what can be mended."""
+
+    def __init__(self, source: SourceFile, found: Collector, lines: list[Line]) -> None:
+        self.source = source
+        self.found = found
+        self.pending = deque(_join_continuations(lines))
+        self.is_in_block = False
+
+    def definitions(self) -> Iterable[syntax.Definition]:
+        """The definitions that could be read, in order."""
+        while self.pending:
+            lines = self.pending.popleft()
+            definition = self._definition(lines)
+            if not isinstance(definition, syntax.ErrorStatement):
+                yield definition
+
+    def _definition(self, lines: list[Line]) -> syntax.Definition:
+        """Parse one definition; long `init:` and `objects:` sections go line by line.
+
+        That keeps a mistake in a section of 100,000 facts from costing more than its own line.
+        """
+        head = lines[0]
+        kinds = [token.type for token in head.tokens[:3]]
+        if head.block and not head.is_broken:
+            if kinds == ["OBJECTS", "COLON"]:
+                return self._objects(head)
+            if kinds == ["INIT", "COLON"]:
+                return self._init(head)
+        definition: syntax.Definition = self._parse(lines, "definition")
+        return definition
+
+    def _objects(self, head: Line) -> syntax.Definition:
+        lines = [self._parse(part, "objects_line") for part in self._parts(head)]
+        return syntax.Objects(tuple(lines), span=token_span(head.tokens[0]))
+
+    def _init(self, head: Line) -> syntax.Definition:
+        statements: list[syntax.Statement] = []
+        for part in self._parts(head):
+            tree = self._parse(part, "statement")
+            statements.extend(tree if isinstance(tree, tuple) else (tree,))
+        return syntax.Init(tuple(statements), span=token_span(head.tokens[0]))
+
+    def _parts(self, head: Line) -> Iterable[list[Line]]:
+        """The lines of a block; those that a repair lifts out of a line follow it."""
+        outer, self.pending = self.pending, deque(_join_continuations(head.block))
+        self.is_in_block = True
+        while self.pending:
+            yield self.pending.popleft()
+        self.is_in_block = False
+        self.pending = outer
+
+    def _parse(self, lines: list[Line], start: str) -> Tree:
+        """Read lines from a start symbol, as often as mistakes can be mended."""
+        for _ in range(MAX_MISTAKES):
+            failed = self._attempt(lines, start)
+            if not isinstance(failed, Unexpected):
+                return failed
+            if not self._mend(failed, lines):
+                break
+        return self._give_up(lines)
+
+    def _attempt(self, lines: list[Line], start: str) -> "Tree | Unexpected":
+        """The tree, or the first token that does not fit."""
+        stream = [item for line in lines for item in flatten(line)]
+        stream.append((Token("$END", "", start_pos=lines[-1].span.end), lines[-1]))
+        parser = _parser(start)
+        result = None
+        for index, (token, _line) in enumerate(stream):
+            try:
+                result = parser.feed_token(token)
+            except UnexpectedToken:
+                return Unexpected(self.source, stream, index, _accepted(start, stream[:index]))
+        return self._bounded(result, lines) if _may_be_deep(lines) else result
+
+    def _bounded(self, tree: Tree, lines: list[Line]) -> Tree:
+        """The tree, or an error where it is too deep to be worked with."""
+        span = too_deep(tree)
+        if span is None:
+            return tree
+        self.found.add(errors.NestingTooDeep(location=self.source.location(span), limit=MAX_DEPTH))
+        return self._give_up(lines)
+
+    def _give_up(self, lines: list[Line]) -> syntax.Definition:
+        """A definition that cannot be read: the names in it may be what it was to define."""
+        for line in lines:
+            self.found.forgive_names(names_of(line))
+        first = lines[0].tokens[0]
+        if first.type in ("PROBLEM", "DOMAIN"):
+            texts = [string_value(t) for t in lines[0].tokens if t.type == "STRING"]
+            keyword: Any = str(first)
+            return syntax.Title(keyword, next(iter(texts), ""), span=token_span(first))
+        return syntax.ErrorStatement(span=lines[0].span)
+
+    # -------------------------------------------------------------------------------- mending
+
+    def _mend(self, wrong: Unexpected, lines: list[Line]) -> bool:
+        """Report a mistake and repair its line, so that the next attempt gets past it.
+
+        False when the definition cannot be saved.
+        """
+        line = wrong.line
+        if wrong.token.type == "ERROR" or line.is_broken:
+            return self._drop(line, lines)
+        if wrong.token.type == "_NEWLINE" and "COLON" in wrong.accepted and line.block:
+            return self._supply_colon(line)
+        if wrong.accepted == {"_INDENT"}:
+            return self._supply_block(wrong.stream[wrong.index - 1][1], lines)
+        if wrong.token.type == "_INDENT":
+            return self._lift_block(wrong, lines)
+        if (correction := correct(wrong)) is not None:
+            self.found.add(correction.diagnostic)
+            at = line.tokens.index(wrong.token) + correction.offset
+            line.tokens[at : at + correction.length] = correction.tokens
+            return True
+        report(wrong, self.found)
+        return self._break(wrong, lines)
+
+    def _supply_colon(self, line: Line) -> bool:
         end = Span(line.span.end, line.span.end)
-        found.add(errors.MissingColon(location=source.location(end)))
+        self.found.add(errors.MissingColon(location=self.source.location(end)))
         line.tokens.append(Token("COLON", ":", start_pos=end.start))
         return True
-    if accepted == {"_INDENT"}:
-        owner = stream[index - 1][1]
-        found.add(errors.ExpectedBlock(location=source.location(owner.span)))
-        owner.block.append(_error_line(owner))
+
+    def _supply_block(self, owner: Line, lines: list[Line]) -> bool:
+        """Take the lines after a header for its block, if they can be, else an unreadable line."""
+        self.found.add(errors.ExpectedBlock(location=self.source.location(owner.span)))
+        if owner is lines[0] and owner.tokens[0].type in _HAVE_SECTIONS:
+            while self.pending and _is_section(self.pending[0][0]):
+                owner.block.extend(self.pending.popleft())
+        elif owner is not lines[0] and owner.tokens[0].type in _SECTION_BLOCKS:
+            siblings = _siblings(owner, lines)
+            at = siblings.index(owner) + 1
+            while at < len(siblings) and not _is_section(siblings[at]):
+                owner.block.append(siblings.pop(at))
+        if not owner.block:
+            filler = Line([owner.tokens[-1]], owner.indentation + 1, is_broken=True)
+            owner.block.append(filler)
         return True
-    if token.type == "_INDENT":
-        found.add(errors.UnexpectedIndentation(location=source.location(line.block[0].span)))
-        line.block.clear()
+
+    def _lift_block(self, wrong: Unexpected, lines: list[Line]) -> bool:
+        """Put lines that are indented without reason beside the line they stand under."""
+        line = wrong.line
+        if self._would_take_colon(wrong):
+            return self._supply_colon(line)
+        location = self.source.location(line.block[0].span)
+        self.found.add(errors.UnexpectedIndentation(location=location))
+        lifted, line.block = line.block, []
+        if line in lines:
+            self._lift_definitions(_join_continuations(lifted))
+        else:
+            siblings = _siblings(line, lines)
+            at = siblings.index(line) + 1
+            siblings[at:at] = lifted
         return True
-    _report(source, stream, index, accepted, found)
-    if line is lines[0]:
+
+    def _lift_definitions(self, groups: list[list[Line]]) -> None:
+        """Read what was indented under a definition by itself, if it looks like one."""
+        for group in reversed(groups):
+            if group[0].tokens[0].type in HEADERS or self.is_in_block:
+                self.pending.appendleft(group)
+            else:
+                self.found.forgive_names(names_of(group[0]))
+
+    def _would_take_colon(self, wrong: Unexpected) -> bool:
+        """Whether the line could have opened a block, as `def f() -> T` can without a colon."""
+        tokens = wrong.line.tokens
+        return tokens[0].type in ("DEF", "CONTROLLER") and tokens[-1].type != "COLON"
+
+    def _break(self, wrong: Unexpected, lines: list[Line]) -> bool:
+        """Mark a line as unreadable, with those that would hang in the air without it."""
+        line = wrong.line
+        if line in lines:
+            return self._break_head(line, lines)
+        siblings = _siblings(line, lines)
+        at = siblings.index(line)
+        keeps = line.tokens[0].type in _BLOCK_STATEMENTS or line.tokens[0] == "while"
+        self._mark_broken(line, keeps_block=keeps and not wrong.wants_section)
+        for other in siblings[at + 1 :]:
+            if (
+                wrong.wants_section
+                and other.tokens[0].type in STATEMENTS
+                and not _is_section(other)
+            ):
+                self._mark_broken(other, keeps_block=False)
+            elif other.tokens[0].type in _CONTINUATIONS and not wrong.wants_section:
+                self._mark_broken(other, keeps_block=True)
+            else:
+                break
+        return True
+
+    def _mark_broken(self, line: Line, *, keeps_block: bool) -> None:
+        line.is_broken = True
+        line.keeps_block = keeps_block
+        dropped = Line(line.tokens) if keeps_block else line
+        self.found.forgive_names(names_of(dropped))
+
+    def _break_head(self, line: Line, lines: list[Line]) -> bool:
+        """The first line of a definition is unreadable: still look for mistakes in its block."""
+        self.found.forgive_names(names_of(line))
+        if line is lines[0] and line.block and line.tokens[0].type in _HAVE_SECTIONS:
+            stub = Line([*_stub(line)], block=line.block)
+            line.block = []
+            self._parse([stub], "definition")
         return False
-    _break(line, lines)
-    return True
+
+    def _drop(self, line: Line, lines: list[Line]) -> bool:
+        """Leave out an unreadable line where the grammar has no room for one."""
+        if line in lines:
+            return self._break_head(line, lines)
+        siblings = _siblings(line, lines)
+        if len(siblings) == 1:
+            return False
+        siblings.remove(line)
+        return True
 
 
-def _error_line(owner: Line) -> Line:
-    line = Line([owner.tokens[-1]], owner.indentation + 1)
-    line.is_broken = True
-    return line
+def _stub(line: Line) -> Iterable[Token]:
+    """A readable header in place of an unreadable one."""
+    yield line.tokens[0]
+    position = line.span.end
+    for kind, text in (("NAME", "_"), ("LPAR", "("), ("RPAR", ")"), ("COLON", ":")):
+        yield Token(kind, text, start_pos=position)
 
 
-def _break(line: Line, lines: list[Line]) -> None:
-    """Mark a line as unreadable, and drop the `elif` and `else` that would hang in the air."""
-    line.is_broken = True
-    siblings = _siblings(line, lines)
-    position = siblings.index(line) + 1
-    while position < len(siblings) and siblings[position].tokens[0].type in _CONTINUATIONS:
-        del siblings[position]
+def _is_section(line: Line) -> bool:
+    kinds = [token.type for token in line.tokens[:2]]
+    return len(kinds) == 2 and kinds[0] in SECTIONS and kinds[1] == "COLON"
+
+
+def _may_be_deep(lines: list[Line]) -> bool:
+    """Whether the tree could be deeper than allowed: each token may add a level."""
+    pending = list(lines)
+    deepest = conditions = 0
+    while pending:
+        line = pending.pop()
+        pending.extend(line.block)
+        deepest = max(deepest, len(line.tokens) + line.level)
+        conditions += line.tokens[0].type == "ELIF"
+    return deepest + conditions > MAX_DEPTH
 
 
 def _siblings(line: Line, lines: list[Line]) -> list[Line]:
+    """The block that a line stands in."""
     pending = [lines]
     while pending:
         block = pending.pop()
@@ -187,104 +347,3 @@ def _siblings(line: Line, lines: list[Line]) -> list[Line]:
             return block
         pending.extend(other.block for other in block)
     raise LookupError("a line belongs to a block")
-
-
-# ------------------------------------------------------------------------------------ what to say
-
-
-def _report(
-    source: SourceFile, stream: Stream, index: int, accepted: set[str], found: Collector
-) -> None:
-    token, line = stream[index]
-    span = token_span(token) if token else Span(line.span.end, line.span.end)
-    location = source.location(span)
-    if token.type == "RESERVED":
-        found.add(errors.ReservedWord(location=location, word=str(token)))
-        return
-    first = line.tokens[0]
-    if first.type == "NAME" and first == "while":
-        found.add(errors.WhileLoop(location=source.location(token_span(first))))
-        return
-    hint = _hint(source, stream, index, accepted)
-    found.add(
-        errors.SyntaxError_(
-            location=location, found=_describe(token), expected=_expected(accepted), hint=hint
-        )
-    )
-
-
-def _describe(token: Token) -> str:
-    match token.type:
-        case "_NEWLINE" | "_DEDENT" | "$END":
-            return "end of line"
-        case "NAME":
-            return f"name `{token}`"
-        case "INT" | "FLOAT":
-            return f"number `{token}`"
-        case "STRING":
-            return "string"
-        case "UNREADABLE":
-            return f"character `{token}`" if token.isprintable() else f"character {token!r}"
-        case _:
-            return f"`{token}`"
-
-
-def _expected(accepted: set[str]) -> str:
-    """What could have stood there, in words; empty when there is too much of it."""
-    if {"INT", "NAME", "NOT"} <= accepted:
-        return "an expression"
-    if {"ACHIEVE", "NAME"} <= accepted:
-        return "a statement"
-    if {"GOAL", "BODY"} <= accepted and "NAME" not in accepted:
-        return "a section: `goal:`, `body:` or `eff:`"
-    if {"TYPEDEF", "FEATURE"} <= accepted and "NAME" not in accepted:
-        return "a definition"
-    names = []
-    if "NAME" in accepted:
-        names.append("a name")
-    spelled = {"COLON": "`:`", "_NEWLINE": "the end of the line", "RPAR": "`)`", "RSQB": "`]`",
-               "LPAR": "`(`", "STRING": "a string", "COMMA": "`,`", "EQUAL": "`=`"}  # fmt: skip
-    names += [text for kind, text in spelled.items() if kind in accepted]
-    return " or ".join(names[:3])
-
-
-def _hint(source: SourceFile, stream: Stream, index: int, accepted: set[str]) -> Help | None:
-    token, line = stream[index]
-    location = source.location(token_span(token))
-    if token.type == "EQUAL":
-        return Help("compare with `==`", Replacement(location, "=="))
-    if token.type == "UNREADABLE":
-        return _hint_for_character(str(token))
-    if token.type in ("FORALL", "EXISTS") and "NAME" in accepted:
-        return Help("a quantifier in the middle of an expression needs parentheses around it")
-    if token.type == "DEF" and line.tokens[0] is token:
-        return Help("a `def` stands at the top level of a file")
-    if token is line.tokens[0] and token.type == "NAME":
-        return _hint_for_header(token, accepted, location)
-    return None
-
-
-def _hint_for_character(character: str) -> Help | None:
-    match character:
-        case "&" | "|" | "!":
-            word = {"&": "and", "|": "or", "!": "not"}[character]
-            return Help(f"the operator is `{word}`")
-        case "'":
-            return Help('strings are written with double quotes: "…"')
-        case '"':
-            return Help("the string is not closed on its line")
-        case "{" | "}":
-            return Help("blocks are written by indentation, without braces")
-        case _:
-            return None
-
-
-def _hint_for_header(token: Token, accepted: set[str], location: Location) -> Help | None:
-    known = _HEADERS if "TYPEDEF" in accepted else _SECTIONS if "GOAL" in accepted else []
-    aliases = {"effect": "eff", "effects": "eff", "class": "typedef", "type": "typedef",
-               "predicate": "feature", "function": "def", "rule": "behavior", "fluent": "feature",
-               "precondition": "body", "pre": "body"}  # fmt: skip
-    match = nearest(str(token), known) or aliases.get(str(token))
-    if match is None or match not in known:
-        return None
-    return Help(f"did you mean `{match}`?", Replacement(location, match))

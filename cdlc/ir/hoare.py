@@ -8,6 +8,8 @@ here: a statement that is not is named in NotModelled.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
+from cdlc.ir.logic import choice, conjunction, conjuncts, equality
+from cdlc.ir.names import fresh_name
 from crow.program import (
     Achieve,
     Apply,
@@ -34,9 +36,6 @@ from crow.program import (
 )
 from crow.program.rewrite import rewrite, substitute
 from crow.program.walk import subexpressions
-
-from cdlc.ir.logic import TRUE, choice, conjunction, conjuncts, equality
-from cdlc.ir.names import fresh_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,17 +240,3 @@ def _construct(statement: Statement) -> str:
         "Call": "a behavior call",
     }
     return names.get(type(statement).__name__, f"`{type(statement).__name__.lower()}`")
-
-
-def establishes_goal(program: Program, model: Triple) -> bool | None:
-    """Whether the goal follows from pre and post by folding alone; None when that cannot tell.
-
-    External functions are opaque, so a goal that calls one is never judged.
-    """
-    if model.goal is None:
-        return True
-    goal = inline(program, model.goal)
-    if any(isinstance(part, Apply) for part in subexpressions(goal)):
-        return None
-    before = regress(goal, model.post, Hierarchy.of(program.types))
-    return all(part in model.pre for part in conjuncts(before)) or before == TRUE

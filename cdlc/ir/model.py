@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
-from crow.program import Location, Program
-
 from cdlc.diagnostics import Collector
 from cdlc.ir.errors import NoHoareModel
 from cdlc.ir.hoare import NotModelled, Triple, triple
+from crow.program import Location, Program
 
 
 def model(program: Program, found: Collector) -> tuple[Triple, ...]:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from cdlc.ir.hoare import Triple, Update
+from cdlc.ir.logic import conjunction
 from crow.program import (
     And,
     Apply,
@@ -23,9 +25,6 @@ from crow.program import (
     Xor,
 )
 from crow.values import shown
-
-from cdlc.ir.hoare import Triple, Update
-from cdlc.ir.logic import conjunction
 
 
 def hoare_text(triples: tuple[Triple, ...]) -> str:

@@ -3,16 +3,15 @@
 import re
 from dataclasses import dataclass
 
+from cdlc.diagnostics import suggest
+from cdlc.plans.errors import BadStep
+from cdlc.source import SourceFile, Span
 from crow.problem import World
 from crow.program import Behavior, Controller, Location, ObjectType, Parameter, Type
 from crow.program.statements import Bind
 from crow.program.types import BOOL, is_integer, is_number, underlying
 from crow.program.walk import statements_within
 from crow.values import Value
-
-from cdlc.diagnostics import suggest
-from cdlc.plans.errors import BadStep
-from cdlc.source import SourceFile, Span
 
 _NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 _VALUE = rf'{_NAME}|-?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?|"[^"]*"|\[[^\]]*\]'

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from crow.program import Location
-
 from cdlc.diagnostics import Diagnostic, Help, Label
+from crow.program import Location
 
 
 @dataclass(frozen=True, kw_only=True)

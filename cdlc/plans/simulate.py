@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 from typing import Any
 
-from crow.problem import Problem, State, World
-from crow.program import Location
-from crow.program.types import is_boolean
-from crow.transition import Ambiguous, Unmet, apply
-from crow.values import Value, default_value, shown
-
 from cdlc.diagnostics import Collector
 from cdlc.plans.calls import BadStepError, read_call, resolve_behavior
 from cdlc.plans.errors import OpenChoice, StepFailed
 from cdlc.render import span_json
 from cdlc.source import SourceFile, Span
+from crow.problem import Problem, State, World
+from crow.program import Location
+from crow.program.types import is_boolean
+from crow.transition import Ambiguous, Unmet, apply
+from crow.values import Value, default_value, shown
 
 
 @dataclass(frozen=True, slots=True)

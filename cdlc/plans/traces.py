@@ -2,6 +2,13 @@
 
 from typing import Any
 
+from cdlc.diagnostics import Collector
+from cdlc.frontend import syntax
+from cdlc.frontend.check import CheckedDomain
+from cdlc.frontend.check_expressions import check_condition
+from cdlc.frontend.parser import parse
+from cdlc.frontend.scope import Context, Scope
+from cdlc.source import SourceFile
 from crow.problem import World
 from crow.program import (
     BOOL,
@@ -15,14 +22,6 @@ from crow.program import (
 )
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
 from crow.values import Value
-
-from cdlc.diagnostics import Collector
-from cdlc.frontend import syntax
-from cdlc.frontend.check import CheckedDomain
-from cdlc.frontend.check_expressions import check_condition
-from cdlc.frontend.parser import parse
-from cdlc.frontend.scope import Context, Scope
-from cdlc.source import SourceFile
 
 
 class TraceFormatError(ValueError):

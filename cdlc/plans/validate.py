@@ -6,13 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from crow.problem import Problem, State
-from crow.program import Behavior, Location
-from crow.replay import goal_item, replay
-from crow.trace import DoItem, Trace
-from crow.transition import Ambiguous, Unmet, apply
-from crow.values import Value
-
 from cdlc.backends.pddl.emit import PddlTask
 from cdlc.backends.pddl.plans import PlanFormatError, read_plan, to_step
 from cdlc.diagnostics import Collector
@@ -23,6 +16,12 @@ from cdlc.plans.errors import BadPlan, BadStep, GoalNotReached, OtherCalls
 from cdlc.plans.simulate import step_failed
 from cdlc.plans.traces import TraceFormatError, read_trace
 from cdlc.source import SourceFile, Span
+from crow.problem import Problem, State
+from crow.program import Behavior, Location
+from crow.replay import goal_item, replay
+from crow.trace import DoItem, Trace
+from crow.transition import Ambiguous, Unmet, apply
+from crow.values import Value
 
 Call = tuple[str, tuple[Value, ...]]
 

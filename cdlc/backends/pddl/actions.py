@@ -7,6 +7,11 @@ many operators again.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from cdlc.backends.pddl.conditions import Lowering, SExpr, atom, condition, typed
+from cdlc.backends.pddl.names import Names
+from cdlc.ir.hoare import Triple, Update
+from cdlc.ir.logic import FALSE, TRUE, conjunction, equality, negation
+from cdlc.ir.names import fresh_name
 from crow.program import (
     Expression,
     Hierarchy,
@@ -19,12 +24,6 @@ from crow.program import (
 from crow.program.rewrite import substitute
 from crow.program.types import BOOL
 from crow.program.walk import subexpressions
-
-from cdlc.backends.pddl.conditions import Lowering, SExpr, atom, condition, typed
-from cdlc.backends.pddl.names import Names
-from cdlc.ir.hoare import Triple, Update
-from cdlc.ir.logic import FALSE, TRUE, conjunction, equality, negation
-from cdlc.ir.names import fresh_name
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from cdlc.backends.pddl.names import Names
+from cdlc.ir.logic import negation
 from crow.program import (
     And,
     Apply,
@@ -22,9 +24,6 @@ from crow.program import (
 )
 from crow.program.types import is_boolean, is_object
 from crow.text import expression_text
-
-from cdlc.backends.pddl.names import Names
-from cdlc.ir.logic import negation
 
 SExpr = str | tuple["SExpr", ...]
 

@@ -5,6 +5,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
 
+from cdlc.backends.errors import NotInPddl
+from cdlc.backends.pddl.actions import Action, actions, parameter_list
+from cdlc.backends.pddl.conditions import Lowering, NotPddl, SExpr, condition, type_name, typed
+from cdlc.backends.pddl.names import Names, legal_name
+from cdlc.diagnostics import Collector
+from cdlc.ir.hoare import NotModelled, Triple, inline
 from crow.problem import Problem
 from crow.program import (
     Behavior,
@@ -16,13 +22,6 @@ from crow.program import (
 )
 from crow.program.types import is_boolean
 from crow.program.walk import statements_within
-
-from cdlc.backends.errors import NotInPddl
-from cdlc.backends.pddl.actions import Action, actions, parameter_list
-from cdlc.backends.pddl.conditions import Lowering, NotPddl, SExpr, condition, type_name, typed
-from cdlc.backends.pddl.names import Names, legal_name
-from cdlc.diagnostics import Collector
-from cdlc.ir.hoare import NotModelled, Triple, inline
 
 
 @dataclass(frozen=True)

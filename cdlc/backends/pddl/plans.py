@@ -3,10 +3,9 @@
 import re
 from dataclasses import dataclass
 
-from crow.problem import World
-
 from cdlc.backends.pddl.actions import Source
 from cdlc.backends.pddl.emit import PddlTask
+from crow.problem import World
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,13 @@
 """Planning with a PDDL engine: emit, solve in a child process, map back, replay."""
 
+from cdlc.backends.engines import EngineStatus, solve
+from cdlc.backends.pddl.emit import PddlTask
+from cdlc.backends.pddl.plans import PlannedTransition, to_step
 from crow.plan import Result, Step
 from crow.problem import Problem, State, World
 from crow.replay import replay_to_goal
 from crow.trace import DoItem, TraceItem
 from crow.transition import Transition, apply
-
-from cdlc.backends.engines import EngineStatus, solve
-from cdlc.backends.pddl.emit import PddlTask
-from cdlc.backends.pddl.plans import PlannedTransition, to_step
 
 
 class InvalidPlan(Exception):  # noqa: N818 - a fault of the engine or of ours, not of the input

@@ -1,0 +1,104 @@
+"""The JSON schema of compiled programs, made from the node classes, so that it cannot go stale."""
+
+import types
+from dataclasses import MISSING, fields
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from crow.program.codec import NODES, VERSION
+from crow.program.definitions import ProblemStatement, Program
+from crow.program.expressions import Expression
+from crow.program.location import Location
+from crow.program.statements import Statement
+from crow.program.types import Type
+
+_FAMILIES: dict[str, Any] = {
+    "Type": Type,
+    "Expression": Expression,
+    "Statement": Statement,
+}
+
+_SCALARS: dict[Any, dict[str, Any]] = {
+    bool: {"type": "boolean"},
+    # A float such as 1.0 is an integer to JSON schema, and so an int would pass for a float.
+    int: {"type": "integer"},
+    float: {"type": "number"},
+    str: {"type": "string"},
+    types.NoneType: {"type": "null"},
+}
+
+
+def schema() -> dict[str, Any]:
+    """The schema of what `encode` returns."""
+    nodes = {name: _node(cls) for name, cls in sorted(NODES.items())}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A compiled CDL program",
+        "type": "object",
+        "properties": {
+            "version": {"const": VERSION},
+            "program": _reference(Program),
+            "problem": _reference(ProblemStatement),
+        },
+        "required": ["version", "program"],
+        "additionalProperties": False,
+        "$defs": {
+            "Location": {
+                "description": "File, line, column, end line, end column; columns count from 1.",
+                "type": "array",
+                "prefixItems": [{"type": "string"}, *[{"type": "integer"}] * 4],
+                "items": False,
+                "minItems": 5,
+            },
+            **{
+                name: {"anyOf": [_reference(member) for member in get_args(family)]}
+                for name, family in _FAMILIES.items()
+            },
+            **nodes,
+        },
+    }
+
+
+def _node(cls: Any) -> dict[str, Any]:
+    hints = get_type_hints(cls)
+    required = [f.name for f in fields(cls) if f.default is MISSING]
+    return {
+        "description": str(cls.__doc__),
+        "type": "object",
+        "properties": {
+            "node": {"const": cls.__name__},
+            **{f.name: _value(hints[f.name]) for f in fields(cls)},
+        },
+        "required": ["node", *required],
+        "additionalProperties": False,
+    }
+
+
+def _reference(cls: Any) -> dict[str, Any]:
+    return {"$ref": f"#/$defs/{cls.__name__}"}
+
+
+def _value(annotation: Any) -> dict[str, Any]:
+    """The schema of a field from its annotation."""
+    if annotation in _SCALARS:
+        return _SCALARS[annotation]
+    if annotation is Location or annotation in NODES.values():
+        return _reference(annotation)
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is tuple:
+        return {"type": "array", "items": _value(arguments[0])}
+    if origin is Literal:
+        return {"enum": list(arguments)}
+    if origin in (Union, types.UnionType):
+        return _union(frozenset(arguments), arguments)
+    raise TypeError(f"no schema for {annotation!r}")
+
+
+def _union(members: frozenset[Any], ordered: tuple[Any, ...]) -> dict[str, Any]:
+    """A union as a reference to its name where it has one, with what comes on top of it."""
+    for name, family in _FAMILIES.items():
+        whole = frozenset(get_args(family))
+        if whole <= members:
+            reference = {"$ref": f"#/$defs/{name}"}
+            rest = [_value(member) for member in ordered if member not in whole]
+            return {"anyOf": [reference, *rest]} if rest else reference
+    return {"anyOf": [_value(member) for member in ordered]}
