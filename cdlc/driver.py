@@ -18,7 +18,7 @@ from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
     from cdlc.backends.pddl import PddlTask
-    from cdlc.ir.hoare import Triple
+    from cdlc.ir.hoare import Model, Triple
     from crow.problem import Problem
 
 
@@ -99,11 +99,18 @@ class Compilation:
         return problem
 
     @cached_property
+    def model(self) -> "Model":
+        """The formulas of the program."""
+        from cdlc.ir.hoare import Model
+
+        return Model(self.program)
+
+    @cached_property
     def triples(self) -> "tuple[Triple, ...]":
         """The Hoare model of every behavior that has an effect."""
-        from cdlc.ir.model import model
+        from cdlc.ir.model import triples as model_triples
 
-        triples = model(self.program, self.found)
+        triples = model_triples(self.model, self.found)
         self._stop_at_errors()
         return triples
 
@@ -113,7 +120,7 @@ class Compilation:
         from cdlc.backends.pddl import to_pddl
 
         problem = self.problem if self.statement is not None else None
-        task = to_pddl(self.program, self.triples, problem, self.found)
+        task = to_pddl(self.model, self.triples, problem, self.found)
         self._stop_at_errors()
         assert task is not None
         return task

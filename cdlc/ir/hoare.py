@@ -1,59 +1,54 @@
-"""The Hoare model: `{pre} b(params) {post}` of a behavior, by symbolic execution (App. D.5).
+"""The Hoare model: `{pre} b(params) {post}` of every behavior with an effect (App. D.5).
 
-`pre` collects the asserts, achieves and object binds of the body; `post` is one simultaneous
-assignment whose arguments and values read the state before the behavior. Bodies are straight-line
-here: a statement that is not is named in NotModelled.
+`pre` is what the body's asserts, achieves and object binds demand, each regressed to the start;
+`post` is one simultaneous assignment, the effects of its controllers and its own one after another.
+An `alternative`, or an `unordered` group whose controllers' effects depend on their order, gives
+one triple for each choice.
 """
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import permutations
 
-from cdlc.ir.logic import choice, conjunction, conjuncts, equality
+from cdlc.ir.behaviors import body_of
 from cdlc.ir.names import fresh_name
+from cdlc.ir.pool import Level, Pool, in_order
+from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables
 from crow.program import (
     Achieve,
-    Apply,
+    And,
     Assert,
-    Assign,
     Behavior,
     Bind,
+    Call,
     Commit,
     Do,
     Expression,
-    Function,
+    ForEach,
+    ForRange,
     Group,
     Hierarchy,
+    If,
     Let,
     Location,
     ObjectType,
     Parameter,
     Program,
     Read,
-    Return,
-    SetLocal,
     Statement,
     Variable,
 )
-from crow.program.rewrite import rewrite, substitute
-from crow.program.walk import subexpressions
+from crow.program.types import INT64
+
+MAX_TRIPLES = 64
 
 
-@dataclass(frozen=True, slots=True)
-class Update:
-    """`feature[arguments] := value`, both over the state before the behavior."""
-
-    feature: str
-    arguments: tuple[Expression, ...]
-    value: Expression
-    location: Location | None = field(default=None, compare=False)
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Triple:
     """A transition: `parameters` are the behavior's followed by its object binds.
 
-    `pre` is a list of conjuncts; `post` writes no cell twice with the same arguments, and where two
-    updates may meet in one cell the later one wins.
+    `pre` is a list of conjuncts. In `post`, everything reads the state before, and where two
+    updates meet in one cell the later one wins. `conflicts` are what a `foreach` may do wrong.
     """
 
     behavior: str
@@ -62,181 +57,246 @@ class Triple:
     calls: tuple[Do, ...]
     pre: tuple[Expression, ...]
     post: tuple[Update, ...]
+    conflicts: tuple[Conflict, ...] = ()
+    location: Location | None = None
 
 
-class NotModelled(Exception):  # noqa: N818 - not an error of the program
-    """A construct without a Hoare model in this version, with its place."""
+class Model:
+    """The formulas of one program, in one pool.
 
-    def __init__(self, construct: str, location: Location | None) -> None:
-        super().__init__(construct)
-        self.construct = construct
-        self.location = location
-
-
-def triple(program: Program, behavior: Behavior) -> Triple | None:
-    """The triple of a behavior, or None for a method, which has no effect of its own.
-
-    Raises NotModelled for a construct that is not straight-line or not discrete.
+    Every method raises NotModelled for a construct that has no Hoare model.
     """
-    if behavior.effect is None:
-        return None
-    return _Execution(program, behavior).run()
 
-
-def regress(condition: Expression, post: Iterable[Update], hierarchy: Hierarchy) -> Expression:
-    """The weakest precondition of a condition: what must hold before for it to hold after `post`.
-
-    Each read of a written feature becomes a choice on whether it reads the written cell.
-    """
-    updates = tuple(post)
-
-    def rule(node: Expression) -> Expression:
-        if not isinstance(node, Read):
-            return node
-        value: Expression = node
-        for update in updates:
-            if update.feature == node.feature:
-                pairs = zip(update.arguments, node.arguments, strict=True)
-                same = conjunction(equality(a, b, hierarchy) for a, b in pairs)
-                value = choice(same, update.value, value)
-        return value
-
-    return rewrite(condition, rule)
-
-
-def inline(program: Program, expression: Expression) -> Expression:
-    """The expression with calls of derived functions replaced by what they return."""
-    functions = {f.name: f for f in program.functions if f.body is not None}
-
-    def rule(node: Expression) -> Expression:
-        if not isinstance(node, Apply) or node.function not in functions:
-            return node
-        return inline(program, _returned(functions[node.function], node))
-
-    return rewrite(expression, rule)
-
-
-def _returned(function: Function, call: Apply) -> Expression:
-    match function.body:
-        case (Return(value=value),):
-            names = [p.name for p in function.parameters]
-            return substitute(value, dict(zip(names, call.arguments, strict=True)))
-        case _:
-            raise NotModelled(f"the body of `{function.name}`", function.location)
-
-
-class _Execution:
-    """One symbolic run: variables by name, conditions so far, and the writes so far."""
-
-    def __init__(self, program: Program, behavior: Behavior) -> None:
+    def __init__(self, program: Program, level: Level = Level.BASIC) -> None:
         self.program = program
-        self.behavior = behavior
-        self.hierarchy = Hierarchy.of(program.types)
-        self.controllers = {c.name: c for c in program.controllers}
-        self.parameters = list(behavior.parameters)
-        self.variables: dict[str, Expression] = {
-            p.name: Variable(p.name, p.type) for p in behavior.parameters
-        }
-        self.pre: list[Expression] = []
-        self.calls: list[Do] = []
-        self.updates: list[Update] = []
+        self.pool = Pool(Hierarchy.of(program.types), level)
+        self.behaviors = {b.name: b for b in program.behaviors}
 
-    def run(self) -> Triple:
+    def triples(self, behavior: Behavior) -> tuple[Triple, ...]:
+        """The triples of a behavior; none for a method, which has no effect of its own."""
+        if behavior.effect is None:
+            return ()
+        runs = [_Run(self, behavior)]
+        for statement in body_of(behavior):
+            runs = [after for run in runs for after in run.statement(statement)]
+            if len(runs) > MAX_TRIPLES:
+                construct = f"a body with more than {MAX_TRIPLES} choices"
+                raise NotModelled(construct, behavior.location)
+        return tuple(run.finished() for run in runs)
+
+    def formula(self, expression: Expression, parameters: Iterable[Parameter] = ()) -> Expression:
+        """An expression over the state before, derived functions unfolded; variables stay."""
+        executor = Executor(self.program, self.pool)
+        names = {p.name: self.pool.variable(p.name, p.type) for p in parameters}
+        for part in in_order(expression):
+            if isinstance(part, Variable):
+                names.setdefault(part.name, self.pool.variable(part.name, part.type))
+        return executor.value(expression, Layer(), names)
+
+    def weakest_precondition(self, condition: Expression, triple: Triple) -> Expression:
+        """What must hold before a transition for a pooled condition to hold after it.
+
+        `pre` is not part of it: the transition can be applied only where that holds too.
+        """
+        executor = Executor(self.program, self.pool)
+        layer = Layer(None, {("", (), i): update for i, update in enumerate(triple.post)})
+
+        def after(node: Expression) -> Expression:
+            if not isinstance(node, Read):
+                return node
+            return executor.read(node.feature, node.arguments, layer, node.location)
+
+        return self.pool.rebuild(condition, {}, after)
+
+
+class _Run:
+    """One way through a body: what it demands, calls and writes so far."""
+
+    def __init__(self, model: Model, behavior: Behavior) -> None:
+        self.model = model
+        self.behavior = behavior
+        self.executor = Executor(model.program, model.pool)
+        self.controllers = {c.name: c for c in model.program.controllers}
+        self.parameters: tuple[Parameter, ...] = behavior.parameters
+        self.variables: Variables = {
+            p.name: model.pool.variable(p.name, p.type) for p in behavior.parameters
+        }
+        self.layer = Layer()
+        self.pre: tuple[Expression, ...] = ()
+        self.calls: tuple[Do, ...] = ()
+        self.has_state_let = False
+
+    def copy(self) -> "_Run":
+        """The same run, to go on in another way."""
+        other = _Run(self.model, self.behavior)
+        other.__dict__.update(self.__dict__)
+        other.executor.conflicts = list(self.executor.conflicts)
+        return other
+
+    def finished(self) -> Triple:
+        """The triple, after the behavior's own effect."""
         behavior = self.behavior
         assert behavior.effect is not None
-        members = () if behavior.promotable is None else behavior.promotable.members
-        for statement in (*behavior.left, *members, *behavior.right):
-            self._body(statement)
-        self._effect(behavior.effect, self.variables)
+        layer = self.executor.execute(behavior.effect, self.layer, self.variables)
+        pool = self.model.pool
+        updates = (u for u in layer.all_writes() if u.guard is not pool.false)
         return Triple(
             behavior.name,
-            tuple(self.parameters),
+            self.parameters,
             behavior.goal,
-            tuple(self.calls),
-            tuple(conjuncts(conjunction(self.pre))),
-            tuple(self.updates),
+            self.calls,
+            _conjuncts(pool.conjunction(self.pre)) if self.pre else (),
+            tuple(updates),
+            tuple(self.executor.conflicts),
+            behavior.location,
         )
 
-    def _body(self, statement: Statement) -> None:
-        match statement:
+    # ------------------------------------------------------------------------------- statements
+
+    def statement(self, node: Statement) -> Iterator["_Run"]:
+        """The runs after a statement: one, or one for each choice it leaves."""
+        match node:
+            case Group(order="alternative", body=body):
+                for chosen in body:
+                    yield from self.copy().statement(chosen)
+            case Group(order="unordered", body=body) if self._order_matters(body):
+                for ordered in permutations(body):
+                    yield from self.copy().block(ordered)
+            case Group(body=body):
+                yield from self.block(body)
+            case Call():
+                yield from self._call(node)
+            case _:
+                self._plain(node)
+                yield self
+
+    def block(self, statements: tuple[Statement, ...]) -> Iterator["_Run"]:
+        """The runs after several statements."""
+        if not statements:
+            yield self
+            return
+        for run in self.statement(statements[0]):
+            yield from run.block(statements[1:])
+
+    def _order_matters(self, body: tuple[Statement, ...]) -> bool:
+        """Whether a group runs two controllers of which one has an effect."""
+        calls = [s for s in body if not isinstance(s, Achieve | Assert)]
+        return len(calls) > 1
+
+    def _plain(self, node: Statement) -> None:
+        match node:
             case Assert(condition=condition):
-                self._require(condition)
-            case Achieve(condition=condition, once=once):
-                if self.calls:
-                    raise NotModelled("an `achieve` after a controller call", statement.location)
-                if not once:
-                    self._require(condition)
+                self._require(condition, self.variables)
+            case Achieve():
+                self._achieve(node)
             case Bind():
-                self._bind(statement)
-            case Do(controller=name, arguments=arguments):
-                values = tuple(self._now(a, self.variables) for a in arguments)
-                self.calls.append(replace(statement, arguments=values))
-                controller = self.controllers[name]
-                if controller.effect is not None:
-                    names = [p.name for p in controller.parameters]
-                    self._effect(controller.effect, dict(zip(names, values, strict=True)))
+                self._bind(node)
+            case Do():
+                self._do(node)
             case Let(variable=variable, value=value):
                 now = self._now(value, self.variables)
-                if any(isinstance(part, Read) for part in subexpressions(now)):
-                    raise NotModelled("a `let` that reads the state", statement.location)
+                self.has_state_let |= any(isinstance(part, Read) for part in in_order(now))
                 self.variables = {**self.variables, variable.name: now}
-            case Group(order="sequential" | "unordered", body=body):
-                for inner in body:
-                    self._body(inner)
+            case If() | ForEach() | ForRange():
+                conditions = list(self._conditions((node,), self.variables))
+                self.pre = (*self.pre, *conditions)
             case Commit():
                 return
             case _:
-                raise NotModelled(_construct(statement), statement.location)
+                raise AssertionError(f"{type(node).__name__} in a body")
 
-    def _require(self, condition: Expression) -> None:
-        self.pre.append(self._now(condition, self.variables))
+    def _achieve(self, node: Achieve) -> None:
+        if self.calls:
+            raise NotModelled("an `achieve` after a controller call", node.location)
+        if self.has_state_let:
+            # The plan for this may change what the `let` has read; the triple would not.
+            raise NotModelled("an `achieve` after a `let` that reads the state", node.location)
+        if not node.once:
+            self._require(node.condition, self.variables)
 
-    def _bind(self, statement: Bind) -> None:
-        for variable in statement.variables:
+    def _require(self, condition: Expression, variables: Variables) -> None:
+        self.pre = (*self.pre, self._now(condition, variables))
+
+    def _now(self, expression: Expression, variables: Variables) -> Expression:
+        """The value of an expression where the run stands, over the state before."""
+        return self.executor.value(expression, self.layer, variables)
+
+    def _conditions(
+        self, statements: tuple[Statement, ...], variables: Variables
+    ) -> Iterator[Expression]:
+        """What blocks under `if`, `foreach` and `for` demand; they may do nothing else."""
+        pool = self.model.pool
+        for node in statements:
+            match node:
+                case Assert(condition=condition) | Achieve(condition=condition, once=False):
+                    if isinstance(node, Achieve) and (self.calls or self.has_state_let):
+                        self._achieve(node)
+                    yield self._now(condition, variables)
+                case Achieve():
+                    continue
+                case Group(order="sequential" | "unordered", body=body):
+                    yield from self._conditions(body, variables)
+                case If(condition=test, then=then, otherwise=otherwise):
+                    now = self._now(test, variables)
+                    for part in self._conditions(then, variables):
+                        yield pool.disjunction((pool.negation(now), part))
+                    for part in self._conditions(otherwise, variables):
+                        yield pool.disjunction((now, part))
+                case ForEach(variables=bound, body=body):
+                    opened = tuple(pool.fresh(v) for v in bound)
+                    names = {v.name: o for v, o in zip(bound, opened, strict=True)}
+                    parts = self._conditions(body, {**variables, **names})
+                    yield pool.quantified("forall", opened, pool.conjunction(parts))
+                case ForRange(variable=variable, body=body):
+                    for number in range(node.start, node.stop, node.step):
+                        counted = pool.constant(number, INT64)
+                        yield from self._conditions(body, {**variables, variable.name: counted})
+                case _:
+                    construct = f"{_construct(node)} under `if`, `foreach` or `for`"
+                    raise NotModelled(construct, node.location)
+
+    # ---------------------------------------------------------------------------- binds and calls
+
+    def _bind(self, node: Bind) -> None:
+        for variable in node.variables:
             if not isinstance(variable.type, ObjectType):
-                raise NotModelled(f"a `bind` of type `{variable.type}`", statement.location)
+                raise NotModelled(f"a `bind` of type `{variable.type}`", node.location)
             taken = {p.name for p in self.parameters}
             fresh = replace(variable, name=fresh_name(variable.name, taken))
-            self.parameters.append(fresh)
-            self.variables = {**self.variables, variable.name: Variable(fresh.name, fresh.type)}
-        if statement.condition is not None:
-            self._require(statement.condition)
+            self.parameters = (*self.parameters, fresh)
+            bound = self.model.pool.variable(fresh.name, fresh.type)
+            self.variables = {**self.variables, variable.name: bound}
+        if node.condition is not None:
+            self._require(node.condition, self.variables)
 
-    def _effect(
-        self, statements: tuple[Statement, ...], variables: Mapping[str, Expression]
-    ) -> None:
-        for statement in statements:
-            match statement:
-                case Assign(operator="="):
-                    self._write(statement, variables)
-                case Let(variable=variable, value=value):
-                    variables = {**variables, variable.name: self._now(value, variables)}
-                case SetLocal(variable=name, value=value):
-                    variables = {**variables, name: self._now(value, variables)}
-                case _:
-                    raise NotModelled(_construct(statement), statement.location)
+    def _do(self, node: Do) -> None:
+        values = tuple(self._now(a, self.variables) for a in node.arguments)
+        self.calls = (*self.calls, replace(node, arguments=values))
+        controller = self.controllers[node.controller]
+        if controller.effect is not None:
+            names = [p.name for p in controller.parameters]
+            variables = dict(zip(names, values, strict=True))
+            self.layer = self.executor.execute(controller.effect, self.layer, variables)
 
-    def _write(self, statement: Assign, variables: Mapping[str, Expression]) -> None:
-        arguments = tuple(self._now(a, variables) for a in statement.arguments)
-        value = self._now(statement.value, variables)
-        cell = (statement.feature, arguments)
-        self.updates = [u for u in self.updates if (u.feature, u.arguments) != cell]
-        self.updates.append(Update(*cell, value, location=statement.location))
+    def _call(self, node: Call) -> Iterator["_Run"]:
+        """A called behavior is inlined: its conditions, calls and effect become the caller's."""
+        called = self.model.behaviors[node.behavior]
+        values = tuple(self._now(a, self.variables) for a in node.arguments)
+        names = [p.name for p in called.parameters]
+        inside = self.copy()
+        inside.variables = dict(zip(names, values, strict=True))
+        for run in inside.block(body_of(called)):
+            if called.effect is not None:
+                run.layer = run.executor.execute(called.effect, run.layer, run.variables)
+            run.variables = self.variables
+            yield run
 
-    def _now(self, expression: Expression, variables: Mapping[str, Expression]) -> Expression:
-        """The value of an expression at this point, over the state before the behavior."""
-        plain = substitute(inline(self.program, expression), variables)
-        return regress(plain, self.updates, self.hierarchy)
+
+def _conjuncts(condition: Expression) -> tuple[Expression, ...]:
+    return condition.operands if isinstance(condition, And) else (condition,)
 
 
 def _construct(statement: Statement) -> str:
     """A statement in words."""
-    names = {
-        "Assign": "an augmented assignment",
-        "ForEach": "`foreach`",
-        "ForRange": "`for`",
-        "If": "`if`",
-        "Group": "`alternative:`",
-        "Call": "a behavior call",
-    }
+    names = {"Do": "a controller call", "Call": "a behavior call", "Bind": "`bind`"}
     return names.get(type(statement).__name__, f"`{type(statement).__name__.lower()}`")

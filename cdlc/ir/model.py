@@ -1,30 +1,28 @@
-"""The Hoare model of a whole program."""
+"""The Hoare model of a whole program, or what keeps it from having one."""
 
 from collections.abc import Iterator
 
 from cdlc.diagnostics import Collector
 from cdlc.ir.errors import NoHoareModel
-from cdlc.ir.hoare import NotModelled, Triple, triple
-from crow.program import Location, Program
+from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.symbolic import NotModelled
+from crow.program import Location
 
 
-def model(program: Program, found: Collector) -> tuple[Triple, ...]:
+def triples(model: Model, found: Collector) -> tuple[Triple, ...]:
     """The triples of all behaviors with effects, in source order.
 
     A behavior without a model is reported to `found` and left out.
     """
-    return tuple(_triples(program, found))
+    return tuple(_triples(model, found))
 
 
-def _triples(program: Program, found: Collector) -> Iterator[Triple]:
-    for behavior in program.behaviors:
+def _triples(model: Model, found: Collector) -> Iterator[Triple]:
+    for behavior in model.program.behaviors:
         try:
-            modelled = triple(program, behavior)
+            yield from model.triples(behavior)
         except NotModelled as missing:
             location = missing.location or behavior.location or Location("", 1, 1, 1, 1)
             found.add(
                 NoHoareModel(location=location, construct=missing.construct, behavior=behavior.name)
             )
-        else:
-            if modelled is not None:
-                yield modelled

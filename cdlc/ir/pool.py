@@ -92,7 +92,7 @@ class Pool:
         """A parameter or bound variable."""
         return self._intern(("variable", name, type_), lambda: Variable(name, type_))
 
-    def object(self, name: str, type_: Type) -> Expression:
+    def named_object(self, name: str, type_: Type) -> Expression:
         """An object constant."""
         return self._intern(("object", name, type_), lambda: Object(name, type_))
 
@@ -187,9 +187,7 @@ class Pool:
                 return self.negation(other)
         return self._intern(("xor", id(left), id(right)), lambda: Xor(left, right))
 
-    def choice(
-        self, condition: Expression, then: Expression, otherwise: Expression
-    ) -> Expression:
+    def choice(self, condition: Expression, then: Expression, otherwise: Expression) -> Expression:
         """`then if condition else otherwise`; never of a negated condition."""
         if condition is self.true or then is otherwise:
             return then
@@ -199,7 +197,9 @@ class Pool:
             return self.choice(condition.operand, otherwise, then)
         if then.type == BOOL and otherwise.type == BOOL:
             return self._boolean_choice(condition, then, otherwise)
-        type_ = otherwise.type if is_number(then.type) and not is_integer(otherwise.type) else then.type
+        type_ = (
+            otherwise.type if is_number(then.type) and not is_integer(otherwise.type) else then.type
+        )
         key = ("if", id(condition), id(then), id(otherwise))
         return self._intern(key, lambda: Conditional(condition, then, otherwise, type_))
 
@@ -247,7 +247,11 @@ class Pool:
         """The truth of a comparison that does not depend on the state."""
         # Floats are left alone: NaN is not equal to itself.
         if left is right and (is_integer(left.type) or not is_number(left.type)):
-            return operator in ("==", "<=", ">=") if operator in ("==", "!=") or is_number(left.type) else None
+            return (
+                operator in ("==", "<=", ">=")
+                if operator in ("==", "!=") or is_number(left.type)
+                else None
+            )
         match left, right:
             case Object(), Object():
                 return operator == "!="
@@ -309,7 +313,7 @@ class Pool:
         location: Location | None,
     ) -> Expression:
         base, offset = _chain(left)
-        offset += cast(int, right.value) if operator == "+" else -cast(int, right.value)
+        offset += cast("int", right.value) if operator == "+" else -cast("int", right.value)
         if offset == 0:
             return base
         amount = self.constant(abs(offset), right.type)
@@ -320,15 +324,15 @@ class Pool:
     def negative(self, operand: Expression, type_: Type) -> Expression:
         """Unary minus."""
         if isinstance(operand, Constant) and self.level is not Level.NONE:
-            return self.constant(-cast(int, operand.value), operand.type)
+            return self.constant(-cast("int", operand.value), operand.type)
         return self._intern(("negative", id(operand)), lambda: Negative(operand, type_))
 
     def builtin(self, function: Any, arguments: tuple[Expression, ...], type_: Type) -> Expression:
         """`min`, `max` or `abs`."""
         if self.level is not Level.NONE and all(isinstance(a, Constant) for a in arguments):
-            values = [cast(Constant, a).value for a in arguments]
-            fold = {"min": min, "max": max, "abs": lambda v: abs(v[0])}[function]
-            return self.constant(fold(values), type_)
+            values = [cast("Constant", a).value for a in arguments]
+            folded = abs(values[0]) if function == "abs" else (min, max)[function == "max"](values)  # type: ignore[arg-type]
+            return self.constant(folded, type_)
         key = ("builtin", function, *map(id, arguments))
         return self._intern(key, lambda: Builtin(function, arguments, type_))
 
@@ -369,11 +373,12 @@ class Pool:
         self,
         node: Expression,
         values: Mapping[str, Expression],
-        rule: Callable[[Read], Expression] | None = None,
+        rule: Callable[[Expression], Expression] | None = None,
     ) -> Expression:
         """The expression built anew, innermost first, each shared part once.
 
-        Free variables are replaced by `values`; `rule` says what stands for each read.
+        Free variables are replaced by `values`; `rule` says what stands for each node. An
+        expression from outside comes into the pool in this way, too.
         """
         done: dict[int, Expression] = {}
         for part in in_order(node, into_quantifiers=False):
@@ -384,21 +389,35 @@ class Pool:
                     made = self._rebuild_quantified(part, values, rule)
                 case _:
                     made = self._again(part, done)
-                    if rule is not None and isinstance(made, Read):
-                        made = rule(made)
+                    made = made if rule is None else rule(made)
             done[id(part)] = made
         return done[id(node)]
+
+    def given(self, node: Expression, facts: Iterable[Expression]) -> Expression:
+        """The expression where some conditions are known to hold: they are true in it."""
+        known: dict[int, Expression] = {}
+        for fact in facts:
+            plain, value = (
+                (fact.operand, self.false) if isinstance(fact, Not) else (fact, self.true)
+            )
+            if isinstance(plain, Constant):
+                continue
+            known[id(plain)] = value
+            if isinstance(plain, Compare) and plain.operator == "==":
+                known[id(self.equal(plain.right, plain.left))] = value
+        return self.rebuild(node, {}, lambda part: known.get(id(part), part))
 
     def _rebuild_quantified(
         self,
         node: Quantified,
         values: Mapping[str, Expression],
-        rule: Callable[[Read], Expression] | None,
+        rule: Callable[[Expression], Expression] | None,
     ) -> Expression:
         opened = tuple(self.fresh(v) for v in node.variables)
         names = {v.name: o for v, o in zip(node.variables, opened, strict=True)}
         body = self.rebuild(node.body, {**values, **names}, rule)
-        return self.quantified(node.quantifier, opened, body)
+        made = self.quantified(node.quantifier, opened, body)
+        return made if rule is None else rule(made)
 
     def _again(self, node: Expression, done: Mapping[int, Expression]) -> Expression:
         def new(part: Expression) -> Expression:
@@ -410,7 +429,7 @@ class Pool:
             case Variable(name=name, type=type_):
                 return self.variable(name, type_)
             case Object(name=name, type=type_):
-                return self.object(name, type_)
+                return self.named_object(name, type_)
             case Read(feature=name, arguments=arguments, type=type_):
                 return self.read(name, tuple(map(new, arguments)), type_, node.location)
             case Apply(function=name, arguments=arguments, type=type_):

@@ -78,8 +78,8 @@ class Update:
 class Conflict:
     """Two iterations of a `foreach` that may write one cell: when, and where both stand.
 
-    `condition` is over the state before and over the variables of both iterations, which `variables`
-    lists; where it holds, the values differ.
+    `condition` is over the state before and over the variables of both iterations, `variables`;
+    where it holds, the values differ.
     """
 
     condition: Expression
@@ -158,7 +158,7 @@ class Executor:
             case Variable(name=name):
                 return variables[name]
             case Object(name=name, type=type_):
-                return pool.object(name, type_)
+                return pool.named_object(name, type_)
             case Read(feature=feature, arguments=arguments):
                 return self.read(feature, tuple(map(of, arguments)), layer, node.location)
             case Apply():
@@ -196,7 +196,7 @@ class Executor:
         layer: Layer,
         location: Location | None = None,
     ) -> Expression:
-        """The value of a cell after the writes of a layer: a choice on each write that may meet it."""
+        """A cell after the writes of a layer: a choice on each write that may meet it."""
         value = self.pool.read(feature, arguments, self.features[feature].type, location)
         for write in layer.all_writes():
             if write.feature == feature:
@@ -217,9 +217,7 @@ class Executor:
         value = pool.substitute(write.value, chosen)
         met = pool.conjunction((match_, guard))
         names = {v.name for v in write.variables if isinstance(v, Variable)} - set(chosen)
-        open_ = tuple(
-            v for v in write.variables if isinstance(v, Variable) and v.name in names
-        )
+        open_ = tuple(v for v in write.variables if isinstance(v, Variable) and v.name in names)
         if not open_:
             return pool.choice(met, value, before)
         if not names & free_variables(value):
@@ -229,6 +227,13 @@ class Executor:
             true = pool.quantified("exists", open_, pool.conjunction((met, value)))
             return pool.choice(pool.quantified("exists", open_, met), true, before)
         raise NotModelled("a read of what a `foreach` writes to computed cells", write.location)
+
+    def meets(self, write: Update, arguments: tuple[Expression, ...]) -> Expression:
+        """When a write reaches a cell."""
+        match_, chosen = self._matching(write, arguments)
+        met = self.pool.conjunction((match_, self.pool.substitute(write.guard, chosen)))
+        left = (v for v in write.variables if isinstance(v, Variable) and v.name not in chosen)
+        return self.pool.quantified("exists", tuple(left), met)
 
     def _matching(
         self, write: Update, arguments: tuple[Expression, ...]
@@ -374,14 +379,23 @@ class Executor:
 
     def _join_layers(self, condition: Expression, then: Layer, otherwise: Layer) -> Layer:
         assert then.under is otherwise.under
-        same, changed = {}, {}
-        for cell in dict.fromkeys((*then.writes, *otherwise.writes)):
-            one, other = then.writes.get(cell), otherwise.writes.get(cell)
-            if one is other and one is not None:
-                same[cell] = one
-            else:
-                changed[cell] = self._joined(condition, one, other, then, otherwise)
-        return Layer(then.under, {**same, **changed})
+        cells = dict.fromkeys((*then.writes, *otherwise.writes))
+        pairs = {cell: (then.writes.get(cell), otherwise.writes.get(cell)) for cell in cells}
+        same = {cell: one for cell, (one, other) in pairs.items() if one and one is other}
+        changed = {cell: pair for cell, pair in pairs.items() if cell not in same}
+        for side, guard in ((0, condition), (1, self.pool.negation(condition))):
+            if all(pair[1 - side] is None for pair in changed.values()):
+                # One branch wrote nothing: the writes of the other keep their order.
+                only = {cell: self._guarded(pair[side], guard) for cell, pair in changed.items()}
+                return Layer(then.under, {**same, **only})
+        joined = {
+            cell: self._joined(condition, *pair, then, otherwise) for cell, pair in changed.items()
+        }
+        return Layer(then.under, {**same, **joined})
+
+    def _guarded(self, write: Update | None, guard: Expression) -> Update:
+        assert write is not None
+        return replace(write, guard=self.pool.conjunction((guard, write.guard)))
 
     def _joined(
         self,
@@ -465,9 +479,7 @@ class Executor:
             end = exit_.path if end is None else self._join(exit_.condition, exit_.path, end)
         return end, leaving
 
-    def _after(
-        self, breaks: list[_Exit], returns: list[_Exit], end: _Path | None
-    ) -> _Path | None:
+    def _after(self, breaks: list[_Exit], returns: list[_Exit], end: _Path | None) -> _Path | None:
         """Where a loop ends: at the first `break` taken, else after its last iteration."""
         if returns and breaks:
             raise NotModelled("`break` beside `return` in one loop", None)
@@ -476,7 +488,7 @@ class Executor:
         return end
 
     def _foreach(self, node: ForEach, path: _Path) -> Layer:
-        """One quantified write for each write of the body, which reads the state before the loop."""
+        """A quantified write for each write of the body, which reads the state before the loop."""
         opened = tuple(self.pool.fresh(v) for v in node.variables)
         names = {v.name: o for v, o in zip(node.variables, opened, strict=True)}
         inside = _Path(Layer(path.layer), {**path.variables, **names})
@@ -523,9 +535,7 @@ class Executor:
                     if conflict.condition is not self.pool.false:
                         self.conflicts.append(conflict)
 
-    def _conflict(
-        self, first: Update, second: Update, opened: tuple[Expression, ...]
-    ) -> Conflict:
+    def _conflict(self, first: Update, second: Update, opened: tuple[Expression, ...]) -> Conflict:
         pool = self.pool
         renaming = {
             v.name: pool.fresh(Parameter(v.name.split("'")[0], v.type))
@@ -537,7 +547,9 @@ class Executor:
             return pool.substitute(node, renaming)
 
         differ = [
-            pool.negation(pool.equal(v, renaming[v.name])) for v in opened if isinstance(v, Variable)
+            pool.negation(pool.equal(v, renaming[v.name]))
+            for v in opened
+            if isinstance(v, Variable)
         ]
         pairs = zip(first.arguments, map(renamed, second.arguments), strict=True)
         met = [pool.equal(a, b) for a, b in pairs]

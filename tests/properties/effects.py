@@ -6,10 +6,12 @@ from crow.program import (
     BOOL,
     INT64,
     And,
+    Apply,
     Arithmetic,
     Assign,
     Behavior,
     Break,
+    Builtin,
     Compare,
     Conditional,
     Constant,
@@ -22,6 +24,8 @@ from crow.program import (
     If,
     Let,
     Not,
+    Object,
+    ObjectConstant,
     ObjectType,
     Or,
     Parameter,
@@ -33,8 +37,8 @@ from crow.program import (
     Statement,
     TypeDefinition,
     Variable,
+    Xor,
 )
-from crow.program import Apply, Builtin, Object, ObjectConstant, Xor
 
 THING, BOX = ObjectType("thing"), ObjectType("box")
 TYPES = (
@@ -135,7 +139,9 @@ def conditions(draw: st.DrawFn, scope: Scope, depth: int) -> Expression:
             return Compare(operator, *sides)
         case "compare":
             operator = draw(st.sampled_from(["==", "!=", "<", "<=", ">", ">="]))
-            return Compare(operator, draw(numbers(scope, depth - 1)), draw(numbers(scope, depth - 1)))
+            return Compare(
+                operator, draw(numbers(scope, depth - 1)), draw(numbers(scope, depth - 1))
+            )
         case "not":
             return Not(draw(conditions(scope, depth - 1)))
         case "and" | "or" as word:
@@ -162,7 +168,9 @@ def assignments(draw: st.DrawFn, scope: Scope, *, in_foreach: bool) -> Statement
     feature = draw(st.sampled_from(FEATURES))
     arguments = tuple(draw(objects(scope, p.type, 1)) for p in feature.parameters)  # type: ignore[arg-type]
     if feature.type == BOOL:
-        value = draw(st.one_of(st.booleans().map(lambda b: Constant(b, BOOL)), conditions(scope, 2)))
+        value = draw(
+            st.one_of(st.booleans().map(lambda b: Constant(b, BOOL)), conditions(scope, 2))
+        )
         return Assign(feature.name, arguments, "=", value)
     if feature.type == THING:
         return Assign(feature.name, arguments, "=", draw(objects(scope, THING, 1)))

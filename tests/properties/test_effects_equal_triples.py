@@ -48,7 +48,9 @@ def applied(
     """All updates at once: everything reads the state before, later ones win."""
     changes = {}
     for update in updates:
-        bound = tuple(Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable))
+        bound = tuple(
+            Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable)
+        )
         for values in assignments_of(world, bound, variables):
             if evaluate(world, state, update.guard, values):
                 cell = tuple(evaluate(world, state, a, values) for a in update.arguments)

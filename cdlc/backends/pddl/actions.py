@@ -7,23 +7,13 @@ many operators again.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cdlc.backends.pddl.conditions import Lowering, SExpr, atom, condition, typed
+from cdlc.backends.pddl.conditions import Lowering, NotPddl, SExpr, atom, condition, typed
 from cdlc.backends.pddl.names import Names
-from cdlc.ir.hoare import Triple, Update
-from cdlc.ir.logic import FALSE, TRUE, conjunction, equality, negation
+from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.names import fresh_name
-from crow.program import (
-    Expression,
-    Hierarchy,
-    Parameter,
-    Program,
-    Read,
-    Type,
-    Variable,
-)
-from crow.program.rewrite import substitute
-from crow.program.types import BOOL
-from crow.program.walk import subexpressions
+from cdlc.ir.pool import Pool, in_order
+from cdlc.ir.symbolic import Executor, Update
+from crow.program import BOOL, And, Expression, Parameter, Program, Read, Type, Variable
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +38,18 @@ class Action:
     sources: tuple[Source, ...]
 
 
-def actions(program: Program, triples: Sequence[Triple], names: Names) -> tuple[Action, ...]:
+def actions(model: Model, triples: Sequence[Triple], names: Names) -> tuple[Action, ...]:
     """The actions of a program, in the order of their first behaviors. Raises NotPddl."""
     groups: dict[object, list[_Normal]] = {}
     for triple in triples:
-        normal = _normalise(program, triple)
+        for conflict in triple.conflicts:
+            construct = (
+                f"`{conflict.first.feature}`, which iterations of a `foreach` may write twice,"
+            )
+            raise NotPddl(construct, conflict.first.location)
+        normal = _normalise(model, triple)
         groups.setdefault(normal.key, []).append(normal)
-    return tuple(_action(program, group, names) for group in groups.values())
+    return tuple(_action(model, group, names) for group in groups.values())
 
 
 # ---------------------------------------------------------------------------------- normal form
@@ -69,54 +64,61 @@ class _Normal:
     key: object
 
 
-def _normalise(program: Program, triple: Triple) -> _Normal:
+def _normalise(model: Model, triple: Triple) -> _Normal:
     """Rename the variables of a triple so that equal transitions become equal data."""
     order = _order(triple)
-    names = _parameter_names(program, triple, order)
+    names = _parameter_names(model.program, triple, order)
     types = {p.name: p.type for p in triple.parameters}
-    variables: dict[str, Expression] = {o: Variable(names[o], types[o]) for o in order}
-    renamed = replace(
+    pool = model.pool
+    variables = {o: pool.variable(names[o], types[o]) for o in order}
+
+    def renamed(node: Expression) -> Expression:
+        return pool.substitute(node, variables)
+
+    normal = replace(
         triple,
         parameters=tuple(Parameter(names[o], types[o]) for o in order),
         calls=tuple(
-            replace(call, arguments=_substituted(call.arguments, variables))
-            for call in triple.calls
+            replace(call, arguments=tuple(map(renamed, call.arguments))) for call in triple.calls
         ),
-        pre=_substituted(triple.pre, variables),
-        post=tuple(
-            replace(
-                u,
-                arguments=_substituted(u.arguments, variables),
-                value=substitute(u.value, variables),
-            )
-            for u in triple.post
-        ),
+        pre=tuple(map(renamed, triple.pre)),
+        post=tuple(_renamed_update(u, pool, variables) for u in triple.post),
     )
     renaming = tuple((p.name, names.get(p.name)) for p in triple.parameters)
-    return _Normal(renamed, renaming, _key(renamed, Hierarchy.of(program.types)))
+    return _Normal(normal, renaming, _key(normal, Executor(model.program, pool)))
 
 
-def _substituted(
-    expressions: tuple[Expression, ...], variables: dict[str, Expression]
-) -> tuple[Expression, ...]:
-    return tuple(substitute(e, variables) for e in expressions)
+def _renamed_update(update: Update, pool: Pool, variables: dict[str, Expression]) -> Update:
+    """An update over the action's variables; its own are named by their places."""
+    own = [v for v in update.variables if isinstance(v, Variable)]
+    places = {v.name: pool.variable(f"{_base(v)}'q{i}", v.type) for i, v in enumerate(own)}
+    values = {**variables, **places}
+    return replace(
+        update,
+        arguments=tuple(pool.substitute(a, values) for a in update.arguments),
+        value=pool.substitute(update.value, values),
+        guard=pool.substitute(update.guard, values),
+        variables=tuple(places.values()),
+    )
+
+
+def _base(variable: Variable) -> str:
+    return str(variable.type)[:1].lower()
 
 
 def _order(triple: Triple) -> list[str]:
     """The variables the transition depends on: those of the calls first, as they stand there."""
-    in_calls = (a for call in triple.calls for a in call.arguments)
-    rest = (*triple.pre, *(e for u in triple.post for e in (*u.arguments, u.value)))
-    used = dict.fromkeys((*_variables(in_calls), *_variables(rest)))
     called = dict.fromkeys(_variables(a for call in triple.calls for a in call.arguments))
+    formulas = (e for u in triple.post for e in (*u.arguments, u.value, u.guard))
+    used = {*called, *_variables((*triple.pre, *formulas))}
     others = [p.name for p in triple.parameters if p.name in used and p.name not in called]
     return [*called, *others]
 
 
 def _variables(expressions: Iterable[Expression]) -> Iterator[str]:
-    for expression in expressions:
-        for part in subexpressions(expression):
-            if isinstance(part, Variable):
-                yield part.name
+    for part in in_order(*expressions):
+        if isinstance(part, Variable):
+            yield part.name
 
 
 def _parameter_names(program: Program, triple: Triple, order: list[str]) -> dict[str, str]:
@@ -134,57 +136,49 @@ def _parameter_names(program: Program, triple: Triple, order: list[str]) -> dict
     return {name: chosen[name] for name in order}
 
 
-def _key(triple: Triple, hierarchy: Hierarchy) -> object:
-    """What two triples must share to be one action.
+def _key(triple: Triple, executor: Executor) -> object:
+    """What two triples must share to be one action; formulas are compared by identity.
 
-    Updates are a set where no two can write one cell; where some can, their order counts.
+    Updates are a set, each with those that overrule it, so that the order of statements that do
+    not meet makes no difference.
     """
-    post: object = tuple(triple.post)
-    if not any(_may_meet(a, b, hierarchy) for a, b in _pairs(triple.post)):
-        post = frozenset(triple.post)
-    elif all(u.value in (TRUE, FALSE) for u in triple.post):
-        post = frozenset((u, _last_wins(u, triple.post, hierarchy)) for u in triple.post)
-    return (triple.parameters, triple.calls, frozenset(triple.pre), post)
+    calls = tuple((call.controller, *map(id, call.arguments)) for call in triple.calls)
+    post = frozenset(
+        (_identity(u), frozenset(map(_identity, _overruling(u, triple.post, executor))))
+        for u in triple.post
+    )
+    return (triple.parameters, calls, frozenset(map(id, triple.pre)), post)
 
 
-def _pairs(post: tuple[Update, ...]) -> Iterator[tuple[Update, Update]]:
-    for index, earlier in enumerate(post):
-        for later in post[index + 1 :]:
-            yield earlier, later
+def _identity(update: Update) -> tuple[object, ...]:
+    formulas = (*update.arguments, update.value, update.guard, *update.variables)
+    return (update.feature, *map(id, formulas))
 
 
-def _alias(earlier: Update, later: Update, hierarchy: Hierarchy) -> Expression:
-    """When two updates write one cell."""
-    if earlier.feature != later.feature:
-        return FALSE
-    pairs = zip(earlier.arguments, later.arguments, strict=True)
-    return conjunction(equality(a, b, hierarchy) for a, b in pairs)
-
-
-def _may_meet(earlier: Update, later: Update, hierarchy: Hierarchy) -> bool:
-    return _alias(earlier, later, hierarchy) != FALSE
-
-
-def _last_wins(update: Update, post: tuple[Update, ...], hierarchy: Hierarchy) -> frozenset[Update]:
-    """The later updates that undo one where they meet it."""
+def _overruling(update: Update, post: tuple[Update, ...], executor: Executor) -> tuple[Update, ...]:
+    """The later updates that may put another value into the same cell."""
     later = post[post.index(update) + 1 :]
-    return frozenset(
-        u for u in later if u.value != update.value and _may_meet(update, u, hierarchy)
+    return tuple(
+        other
+        for other in later
+        if other.feature == update.feature
+        and other.value is not update.value
+        and executor.meets(other, update.arguments) is not executor.pool.false
     )
 
 
 # --------------------------------------------------------------------------------------- actions
 
 
-def _action(program: Program, group: list[_Normal], names: Names) -> Action:
+def _action(model: Model, group: list[_Normal], names: Names) -> Action:
     first = group[0].triple
     lowering = Lowering(names, {p.name: f"?{p.name}" for p in first.parameters})
-    hierarchy = Hierarchy.of(program.types)
+    executor = Executor(model.program, model.pool)
     return Action(
         names.add("action", _name(first, names)),
         first.parameters,
-        condition(conjunction(first.pre), lowering),
-        tuple(_effects(first.post, lowering, hierarchy)),
+        condition(model.pool.conjunction(first.pre), lowering),
+        tuple(_effects(first.post, lowering, executor)),
         tuple(Source(normal.triple.behavior, normal.renaming) for normal in group),
     )
 
@@ -198,30 +192,52 @@ def _name(triple: Triple, names: Names) -> str:
     return triple.behavior
 
 
-def _effects(post: tuple[Update, ...], lowering: Lowering, hierarchy: Hierarchy) -> Iterator[SExpr]:
+def _effects(post: tuple[Update, ...], lowering: Lowering, executor: Executor) -> Iterator[SExpr]:
     """The clauses of an effect: simultaneous, with PDDL's add after delete.
 
     An earlier update is guarded against a later one in the same cell, except where the later one
     adds: then both fire, and the add wins.
     """
-    for index, update in enumerate(post):
-        guard = conjunction(
-            negation(_alias(update, later, hierarchy))
-            for later in post[index + 1 :]
-            if later.value != TRUE and later.value != update.value
-        )
-        cell = atom(Read(update.feature, update.arguments, BOOL), lowering)
-        if update.value != FALSE:
-            yield from _when(conjunction((guard, update.value)), cell, lowering)
-        if update.value != TRUE:
-            yield from _when(conjunction((guard, negation(update.value))), ("not", cell), lowering)
+    pool = executor.pool
+    for update in post:
+        overruled = [
+            pool.negation(executor.meets(other, update.arguments))
+            for other in _overruling(update, post, executor)
+            if other.value is not pool.true
+        ]
+        guard = pool.conjunction((update.guard, *overruled))
+        yield from _clauses(update, guard, lowering, executor)
 
 
-def _when(guard: Expression, effect: SExpr, lowering: Lowering) -> Iterator[SExpr]:
-    if guard == TRUE:
-        yield effect
-    elif guard != FALSE:
-        yield ("when", condition(guard, lowering), effect)
+def _clauses(
+    update: Update, guard: Expression, lowering: Lowering, executor: Executor
+) -> Iterator[SExpr]:
+    """The add and the delete of one update.
+
+    An add is needed only where the cell is false before, a delete only where it is true.
+    """
+    pool = executor.pool
+    bound = tuple(Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable))
+    inner = lowering.with_variables(bound)
+    cell = pool.read(update.feature, update.arguments, BOOL)
+    written = atom(cell, inner) if isinstance(cell, Read) else ()
+    known = guard.operands if isinstance(guard, And) else (guard,)
+    from_false = pool.given(update.value, (*known, pool.negation(cell)))
+    from_true = pool.given(update.value, (*known, cell))
+    # Where the cell is true and becomes false, the add must not fire: it would win.
+    stays = pool.disjunction((pool.negation(cell), from_true))
+    adds = pool.conjunction((guard, from_false, stays))
+    deletes = pool.conjunction((guard, pool.negation(from_true)))
+    for when, effect in ((adds, written), (deletes, ("not", written))):
+        if when is pool.false:
+            continue
+        clause: SExpr = effect
+        if when is not pool.true:
+            clause = ("when", condition(when, inner), effect)
+        if bound:
+            named = [(inner.variables[v.name], v.type) for v in bound]
+            clause = ("forall", typed(named, inner.names), clause)
+        yield clause
 
 
 def parameter_list(action: Action, names: Names) -> tuple[SExpr, ...]:

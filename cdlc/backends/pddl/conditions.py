@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from cdlc.backends.pddl.names import Names
-from cdlc.ir.logic import negation
+from cdlc.ir.names import shown_name
 from crow.program import (
     And,
     Apply,
@@ -48,12 +48,8 @@ class Lowering:
         """As before, with quantified variables, named apart from those around them."""
         inner = dict(self.variables)
         for variable in variables:
-            taken = set(inner.values())
-            name, number = f"?{variable.name}", 1
-            while name in taken:
-                number += 1
-                name = f"?{variable.name}{number}"
-            inner[variable.name] = name
+            taken = {name[1:] for name in inner.values()}
+            inner[variable.name] = f"?{shown_name(variable, taken)}"
         return Lowering(self.names, inner)
 
 
@@ -73,15 +69,17 @@ def condition(node: Expression, lowering: Lowering) -> SExpr:
         case Or(operands=operands):
             return _joined("or", [condition(o, lowering) for o in operands])
         case Xor(left=left, right=right):
-            return condition(_either(left, right), lowering)
+            return _either(condition(left, lowering), condition(right, lowering))
         case Compare(operator="==" | "!=", left=left) if is_object(left.type):
             return _equality(node, lowering)
         case Compare(operator="==" | "!=" as op, left=left, right=right) if is_boolean(left.type):
-            differ = _either(left, right)
-            return condition(differ if op == "!=" else negation(differ), lowering)
+            differ = _either(condition(left, lowering), condition(right, lowering))
+            return differ if op == "!=" else _negated(differ)
         case Conditional(condition=test, then=then, otherwise=otherwise):
-            cases = Or((And((test, then)), And((negation(test), otherwise))))
-            return condition(cases, lowering)
+            chosen = condition(test, lowering)
+            yes = _joined("and", [chosen, condition(then, lowering)])
+            no = _joined("and", [_negated(chosen), condition(otherwise, lowering)])
+            return _joined("or", [yes, no])
         case Quantified(quantifier=quantifier, variables=variables, body=body):
             inner = lowering.with_variables(variables)
             declared = typed([(inner.variables[v.name], v.type) for v in variables], inner.names)
@@ -129,8 +127,9 @@ def _equality(node: Compare, lowering: Lowering) -> SExpr:
     return equal if node.operator == "==" else _negated(equal)
 
 
-def _either(left: Expression, right: Expression) -> Expression:
-    return Or((And((left, negation(right))), And((negation(left), right))))
+def _either(left: SExpr, right: SExpr) -> SExpr:
+    one = _joined("and", [left, _negated(right)])
+    return _joined("or", [one, _joined("and", [_negated(left), right])])
 
 
 def _negated(inner: SExpr) -> SExpr:

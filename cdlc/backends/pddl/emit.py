@@ -10,7 +10,8 @@ from cdlc.backends.pddl.actions import Action, actions, parameter_list
 from cdlc.backends.pddl.conditions import Lowering, NotPddl, SExpr, condition, type_name, typed
 from cdlc.backends.pddl.names import Names, legal_name
 from cdlc.diagnostics import Collector
-from cdlc.ir.hoare import NotModelled, Triple, inline
+from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.symbolic import NotModelled
 from crow.problem import Problem
 from crow.program import (
     Behavior,
@@ -41,9 +42,10 @@ class PddlTask:
 
 
 def to_pddl(
-    program: Program, triples: tuple[Triple, ...], problem: Problem | None, found: Collector
+    model: Model, triples: tuple[Triple, ...], problem: Problem | None, found: Collector
 ) -> PddlTask | None:
     """Emit a program and, if given, a problem. None, with diagnostics, for what is not discrete."""
+    program = model.program
     before = len(found.found)
     _report_unfit(program, found)
     if len(found.found) > before:
@@ -56,8 +58,8 @@ def to_pddl(
     for constant in program.constants:
         names.add("object", constant.name)
     try:
-        made = actions(program, triples, names)
-        goal = None if problem is None else _goal(program, problem, names)
+        made = actions(model, triples, names)
+        goal = None if problem is None else _goal(model, problem, names)
     except NotPddl as refused:
         location = refused.location or Location("", 1, 1, 1, 1)
         found.add(NotInPddl(location=location, construct=refused.construct))
@@ -88,11 +90,11 @@ def _calls(behavior: Behavior) -> Iterator[Do]:
     return (s for s in statements_within(body) if isinstance(s, Do))
 
 
-def _goal(program: Program, problem: Problem, names: Names) -> SExpr:
+def _goal(model: Model, problem: Problem, names: Names) -> SExpr:
     for name in problem.world.objects:
         names.add("object", name)
     try:
-        goal = inline(program, problem.goal)
+        goal = model.formula(problem.goal)
     except NotModelled as refused:
         raise NotPddl(refused.construct, refused.location) from None
     return condition(goal, Lowering(names, {}))

@@ -7,7 +7,7 @@ _KEYWORDS = """
     define domain problem requirements types constants predicates functions action parameters
     precondition effect objects init goal metric minimize maximize total-cost total-time
     and or not imply forall exists when either assign increase decrease scale-up scale-down
-    object number derived axiom durative-action at over start end all preference
+    object number derived axiom durative-action preference
 """
 _RESERVED = frozenset(_KEYWORDS.split())
 

@@ -5,14 +5,14 @@ from collections.abc import Iterator
 from cdlc.diagnostics import Collector
 from cdlc.ir.behaviors import statements_of
 from cdlc.ir.errors import ConstantCondition
-from cdlc.ir.fold import fold
 from cdlc.ir.lints.subject import Subject
-from cdlc.ir.logic import FALSE, TRUE
+from cdlc.ir.pool import Pool
 from crow.program import (
     Achieve,
     Assert,
     Bind,
     Conditional,
+    Constant,
     Expression,
     If,
     Statement,
@@ -22,11 +22,13 @@ from crow.program.walk import expressions_of, subexpressions
 
 def constant_conditions(subject: Subject, found: Collector) -> None:
     """Report conditions that folding decides, such as `assert True` and `if 1 < 2`."""
+    pool = Pool(subject.hierarchy)
     for statement in statements_of(subject.program):
         for condition in _conditions(statement):
-            value = fold(condition, subject.hierarchy)
-            if value in (TRUE, FALSE) and condition.location is not None:
-                found.add(ConstantCondition(location=condition.location, value=value == TRUE))
+            value = pool.rebuild(condition, {})
+            if isinstance(value, Constant) and condition.location is not None:
+                is_true = value is pool.true
+                found.add(ConstantCondition(location=condition.location, value=is_true))
 
 
 def _conditions(statement: Statement) -> Iterator[Expression]:

@@ -1,28 +1,23 @@
 """Behaviors whose effects do not make their goals true."""
 
-from collections.abc import Mapping
-
 from cdlc.diagnostics import Collector
 from cdlc.ir.errors import GoalNotEstablished
-from cdlc.ir.fold import fold
-from cdlc.ir.hoare import NotModelled, Triple, Update, inline, regress, triple
+from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.lints.subject import Subject
-from cdlc.ir.logic import FALSE, TRUE
+from cdlc.ir.pool import in_order
+from cdlc.ir.symbolic import NotModelled, Update
 from crow.program import (
     Apply,
     Compare,
     Conditional,
     Constant,
     Expression,
-    Hierarchy,
     Not,
     Object,
-    Program,
     Quantified,
     Read,
     Variable,
 )
-from crow.program.walk import subexpressions
 from crow.text import expression_text
 
 
@@ -32,47 +27,31 @@ def goals_not_established(subject: Subject, found: Collector) -> None:
     Quiet where that depends on external functions, conditions or arithmetic, and about behaviors
     without an effect of their own.
     """
+    model = Model(subject.program)
     for behavior in subject.program.behaviors:
         try:
-            model = triple(subject.program, behavior)
-            if model is not None and establishes_goal(subject.program, model) is False:
-                _report(model, found)
+            for triple in model.triples(behavior)[:1]:
+                if establishes_goal(model, triple) is False:
+                    _report(triple, found)
         except NotModelled:
             continue
 
 
-def establishes_goal(program: Program, model: Triple) -> bool | None:
-    """Whether the goal holds after a behavior; None when folding alone cannot tell.
+def establishes_goal(model: Model, triple: Triple) -> bool | None:
+    """Whether the goal holds after a transition; None when folding alone cannot tell.
 
     Raises NotModelled if the goal calls a function that has no value as a formula.
     """
-    if model.goal is None:
+    if triple.goal is None:
         return True
-    hierarchy = Hierarchy.of(program.types)
-    goal = inline(program, model.goal)
-    known = _facts(model, hierarchy)
-    before = fold(regress(goal, model.post, hierarchy), hierarchy, known)
-    if before == TRUE:
+    pool = model.pool
+    goal = model.formula(triple.goal, triple.parameters)
+    before = pool.given(model.weakest_precondition(goal, triple), triple.pre)
+    if before is pool.true:
         return True
-    if before == FALSE or _is_plain(before, fold(goal, hierarchy)):
+    if before is pool.false or _is_plain(before, goal):
         return False
     return None
-
-
-def _facts(model: Triple, hierarchy: Hierarchy) -> Mapping[Expression, Expression]:
-    """The literals of the precondition with their truth, equations in both orientations."""
-    known: dict[Expression, Expression] = {}
-    for condition in model.pre:
-        fact = fold(condition, hierarchy)
-        value = TRUE
-        if isinstance(fact, Not):
-            fact, value = fact.operand, FALSE
-        if isinstance(fact, Constant):
-            continue
-        known[fact] = value
-        if isinstance(fact, Compare) and fact.operator == "==":
-            known[Compare("==", fact.right, fact.left)] = value
-    return known
 
 
 def _is_plain(before: Expression, goal: Expression) -> bool:
@@ -81,16 +60,16 @@ def _is_plain(before: Expression, goal: Expression) -> bool:
     Then there are states and arguments where it fails, and no condition of the author's that might
     exclude them.
     """
-    wanted = set(subexpressions(goal))
-    for part in subexpressions(before):
+    wanted = {id(part) for part in in_order(goal)}
+    for part in in_order(before):
         match part:
             case Apply() | Conditional() | Quantified():
                 return False
-            case Read() if part not in wanted:
+            case Read() if id(part) not in wanted:
                 return False
             case Compare(left=Variable() | Object(), right=Variable() | Object()):
                 continue
-            case Compare() if part not in wanted:
+            case Compare() if id(part) not in wanted:
                 return False
             case _:
                 continue

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from cdlc.diagnostics import Collector
 from cdlc.ir.behaviors import body_of, statements_of
 from cdlc.ir.errors import UnmatchedAchieve, UnreachableBehavior
-from cdlc.ir.hoare import NotModelled, inline
+from cdlc.ir.hoare import Model
 from cdlc.ir.lints.subject import Subject
 from cdlc.ir.matching import may_match
+from cdlc.ir.symbolic import NotModelled
 from crow.program import (
     Achieve,
     And,
@@ -46,6 +47,7 @@ def unmatched_achieves(subject: Subject, found: Collector) -> None:
 class _Matcher:
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
+        self.model = Model(subject.program)
         self.goals = [b.goal for b in subject.program.behaviors if b.goal is not None]
         writes = [s for s in statements_of(subject.program) if isinstance(s, Assign)]
         self.writes = {write.feature: write.location for write in reversed(writes)}
@@ -89,7 +91,7 @@ class _Matcher:
         if any(may_match(goal, literal, hierarchy) for goal in self.goals):
             return True
         try:
-            unfolded = inline(self.subject.program, literal)
+            unfolded = self.model.formula(literal)
         except NotModelled:
             return True
         if unfolded != literal:
