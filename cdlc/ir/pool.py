@@ -238,6 +238,8 @@ class Pool:
             decided = self._decided(operator, left, right)
             if decided is not None:
                 return self.true if decided else self.false
+            if operator == "!=":
+                return self.negation(self.equal(left, right))
         key = ("compare", operator, id(left), id(right))
         return self._intern(key, lambda: Compare(operator, left, right))
 
