@@ -9,6 +9,13 @@ from typing import assert_never
 
 from cdlc.frontend import errors, syntax
 from cdlc.frontend.check_types import check_variables, introduce
+from cdlc.frontend.operators import (
+    are_comparable,
+    arithmetic_type,
+    common_type,
+    is_arithmetic,
+    wider,
+)
 from cdlc.frontend.scope import BUILTIN_FUNCTIONS, MAX_DEPTH, Context, Scope, are_related
 from crow.program import (
     BOOL,
@@ -44,7 +51,7 @@ from crow.program import (
     VectorType,
     Xor,
 )
-from crow.program.types import is_integer, is_number, underlying, wider_number
+from crow.program.types import is_number, underlying
 
 
 def check_condition(node: syntax.Expression, scope: Scope, context: Context) -> Expression:
@@ -359,15 +366,9 @@ def _builtin(node: syntax.Call, scope: Scope, context: Context) -> Expression:
                 errors.WrongType(location=place, expected=f"`{type_}`", found=argument.type)
             )
             return _error(node, context)
-        type_ = _wider(type_, argument.type)
+        type_ = wider(type_, argument.type)
     assert name in ("min", "max", "abs")
     return Builtin(name, arguments, type_, location=location)  # type: ignore[arg-type]
-
-
-def _wider(left: Type, right: Type) -> Type:
-    if isinstance(left, UnknownType) or isinstance(right, UnknownType):
-        return UNKNOWN
-    return left if left == right else wider_number(left, right)
 
 
 def check_number(node: syntax.Expression, scope: Scope, context: Context) -> Expression:
@@ -432,7 +433,7 @@ def _element_type(elements: tuple[Expression, ...], context: Context) -> Type:
     """The type that all elements of a literal fit; the first that does not fit is reported."""
     type_: Type = elements[0].type if elements else FLOAT64
     for element in elements[1:]:
-        common = _common(type_, element.type, context)
+        common = common_type(type_, element.type, context.declarations)
         if common is None:
             assert element.location is not None
             context.found.add(
@@ -452,11 +453,11 @@ def _arithmetic(node: syntax.Binary, scope: Scope, context: Context) -> Expressi
     left = check_expression(node.left, scope, context)
     right = check_expression(node.right, scope, context)
     location = context.location(node.span)
-    type_ = _arithmetic_type(node.operator, left.type, right.type, context)
+    type_ = arithmetic_type(node.operator, left.type, right.type, context.declarations)
     if type_ is None:
-        wrong = left if not _is_arithmetic(left.type) else right
+        wrong = left if not is_arithmetic(left.type) else right
         other = right if wrong is left else left
-        expected = f"`{other.type}`" if _is_arithmetic(wrong.type) else "a number"
+        expected = f"`{other.type}`" if is_arithmetic(wrong.type) else "a number"
         context.found.add(
             errors.WrongType(
                 location=wrong.location or location, expected=expected, found=wrong.type
@@ -467,53 +468,12 @@ def _arithmetic(node: syntax.Binary, scope: Scope, context: Context) -> Expressi
     return Arithmetic(node.operator, left, right, type_, location=location)
 
 
-def _is_arithmetic(type_: Type) -> bool:
-    return is_number(type_) or isinstance(underlying(type_), VectorType)
-
-
-def _arithmetic_type(operator: str, left: Type, right: Type, context: Context) -> Type | None:
-    """The type of a result: the wider number; element by element for vectors; None in error."""
-    if isinstance(left, UnknownType) or isinstance(right, UnknownType):
-        return UNKNOWN
-    match underlying(left), underlying(right):
-        case VectorType(), VectorType() if operator in "+-":
-            return _sum_of_vectors(left, right, context)
-        case VectorType() as vector, scalar if operator in "*/" and is_number(scalar):
-            return _scaled(left, vector, scalar, operator)
-        case scalar, VectorType() as vector if operator == "*" and is_number(scalar):
-            return _scaled(right, vector, scalar, operator)
-        case a, b if is_number(a) and is_number(b):
-            if operator in "+-%" and not are_related(left, right):
-                return None
-            if operator == "/" and is_integer(a) and is_integer(b):
-                return FLOAT64
-            return _wider(left, right)
-        case _:
-            return None
-
-
-def _sum_of_vectors(left: Type, right: Type, context: Context) -> Type | None:
-    """The type of a sum: where both would do, a typedef before a plain vector."""
-    fits = context.declarations.fits
-    if fits(left, right) and (isinstance(left, VectorType) or not fits(right, left)):
-        return right
-    return left if fits(right, left) else None
-
-
-def _scaled(type_: Type, vector: VectorType, scalar: Type, operator: str) -> Type:
-    """The type of a vector times or divided by a number: integers may become floats."""
-    if is_integer(vector.element) and (operator == "/" or not is_integer(scalar)):
-        element = FLOAT64 if is_integer(scalar) else _wider(vector.element, scalar)
-        return VectorType(element, vector.length)
-    return type_
-
-
 def _comparison(node: syntax.Comparison, scope: Scope, context: Context) -> Expression:
     operands = _check_alike(node.operands, scope, context)
     parts: list[Expression] = []
     for operator, left, right in zip(node.operators, operands, operands[1:], strict=False):
         location = context.location(node.span)
-        if not _are_comparable(operator, left.type, right.type, context):
+        if not are_comparable(operator, left.type, right.type, context.declarations):
             context.found.add(
                 errors.NotComparable(
                     location=location, operator=operator, left=left.type, right=right.type
@@ -541,19 +501,6 @@ def _check_alike(
     ]
 
 
-def _are_comparable(operator: str, left: Type, right: Type, context: Context) -> bool:
-    if isinstance(left, UnknownType) or isinstance(right, UnknownType):
-        return True
-    if is_number(left) and is_number(right):
-        return are_related(left, right)
-    if operator not in ("==", "!="):
-        return False
-    declared = context.declarations
-    if isinstance(left, ObjectType) or isinstance(right, ObjectType):
-        return declared.hierarchy.may_share_objects(left, right)
-    return declared.fits(left, right) or declared.fits(right, left)
-
-
 def _conditional(
     node: syntax.Conditional, scope: Scope, context: Context, expected: Type
 ) -> Expression:
@@ -561,7 +508,7 @@ def _conditional(
     then = check_expression(node.then, scope, context, expected)
     otherwise = check_expression(node.otherwise, scope, context, expected)
     location = context.location(node.span)
-    type_ = _common(then.type, otherwise.type, context)
+    type_ = common_type(then.type, otherwise.type, context.declarations)
     if type_ is None:
         context.found.add(
             errors.WrongType(
@@ -573,21 +520,6 @@ def _conditional(
         )
         return _error(node, context)
     return Conditional(condition, then, otherwise, type_, location=location)
-
-
-def _common(left: Type, right: Type, context: Context) -> Type | None:
-    """The type that both branches of a conditional fit."""
-    if is_number(left) and is_number(right):
-        return _wider(left, right) if are_related(left, right) else None
-    if context.declarations.fits(left, right):
-        return right
-    if context.declarations.fits(right, left):
-        return left
-    if isinstance(left, ObjectType) and isinstance(right, ObjectType):
-        hierarchy = context.declarations.hierarchy
-        others = hierarchy.ancestors(right.name)
-        return ObjectType(next(a for a in hierarchy.ancestors(left.name) if a in others))
-    return None
 
 
 def _quantified(node: syntax.Quantified, scope: Scope, context: Context) -> Expression:

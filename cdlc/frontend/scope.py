@@ -81,6 +81,10 @@ class Declarations:
         )
         return next((word for table, word in tables if name in table), None)
 
+    def signature(self, name: str) -> Signature | None:
+        """The parameters of a behavior or generator."""
+        return self.behaviors.get(name) or self.generators.get(name)
+
     def fits(self, source: Type, target: Type) -> bool:
         """Whether a value of type `source` may stand where `target` is wanted (language.md §4)."""
         match source, target:

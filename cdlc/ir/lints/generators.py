@@ -31,7 +31,7 @@ def unmatched_generators(subject: Subject, found: Collector) -> None:
 
     Quiet in a fragment. By name only: which arguments are known where is for the run.
     """
-    if subject.is_fragment:
+    if subject.is_fragment or not subject.program.generators:
         return
     used = set(_called(subject.expressions()))
     for generator in subject.program.generators:

@@ -31,7 +31,7 @@ class Subject:
         return Hierarchy.of(self.program.types)
 
     def expressions(self) -> Iterator[Expression]:
-        """Every expression of program and problem, however deep; goals of generators excepted."""
+        """Every expression, however deep, but those of generators and of the initial state."""
         program, problem = self.program, self.problem
         for function in program.functions:
             yield from parts_of(function.body or ())
@@ -42,7 +42,6 @@ class Subject:
                 yield from subexpressions(behavior.goal)
             yield from parts_of((*body_of(behavior), *(behavior.effect or ())))
         if problem is not None:
-            yield from parts_of(problem.init)
             yield from subexpressions(problem.goal)
             if problem.minimize is not None:
                 yield from subexpressions(problem.minimize)

@@ -12,7 +12,6 @@ from crow.program import (
     Behavior,
     Bind,
     Controller,
-    Definition,
     Do,
     Feature,
     ForEach,
@@ -117,24 +116,41 @@ def unused_definitions(subject: Subject, found: Collector) -> None:
     """
     if subject.is_fragment:
         return
-    files = {b.location.file for b in subject.program.behaviors if b.location is not None}
-    used = _used_names(subject)
-    types = set(_used_types(subject))
+    candidates = list(_candidates(subject))
+    for is_last in (False, True):
+        # Initial facts may be very many, and are rarely needed to tell.
+        init = subject.problem.init if is_last and subject.problem is not None else ()
+        used, types = _used_names(subject, init), set(_used_types(subject))
+        candidates = [
+            definition
+            for definition in candidates
+            if definition.name not in (types if isinstance(definition, TypeDefinition) else used)
+        ]
+        if not candidates:
+            return
+    for definition in candidates:
+        assert definition.location is not None
+        kind = _KINDS[type(definition).__name__]
+        found.add(UnusedDefinition(location=definition.location, name=definition.name, kind=kind))
+
+
+_Candidate = TypeDefinition | Feature | Function | Controller
+
+
+def _candidates(subject: Subject) -> Iterator[_Candidate]:
+    """The definitions that have to be used."""
     program = subject.program
-    definitions: tuple[Definition, ...] = (
-        *program.types, *program.features, *program.controllers,
+    files = {b.location.file for b in program.behaviors if b.location is not None}
+    definitions: tuple[_Candidate, ...] = (
+        *(t for t in program.types if t.base == OBJECT or not t.is_object),
+        *program.features,
+        *program.controllers,
         *(f for f in program.functions if f.body is not None),
-    )  # fmt: skip
+    )
     for definition in definitions:
-        is_used = definition.name in (types if isinstance(definition, TypeDefinition) else used)
-        if isinstance(definition, TypeDefinition) and definition.is_object:
-            is_used = is_used or definition.base != OBJECT
         location = definition.location
-        if is_used or location is None:
-            continue
-        if location.file in files - subject.included:
-            kind = _KINDS[type(definition).__name__]
-            found.add(UnusedDefinition(location=location, name=definition.name, kind=kind))
+        if location is not None and location.file in files - subject.included:
+            yield definition
 
 
 _KINDS = {
@@ -145,10 +161,10 @@ _KINDS = {
 }
 
 
-def _used_names(subject: Subject) -> set[str]:
+def _used_names(subject: Subject, init: tuple[Statement, ...]) -> set[str]:
     program = subject.program
     names: set[str] = set()
-    expressions = list(subject.expressions())
+    expressions = [*subject.expressions(), *parts_of(init)]
     for generator in program.generators:
         expressions += subexpressions(generator.goal)
     for expression in expressions:
@@ -157,10 +173,7 @@ def _used_names(subject: Subject) -> set[str]:
                 names.add(name)
             case _:
                 continue
-    statements = list(statements_of(program))
-    if subject.problem is not None:
-        statements += statements_within(subject.problem.init)
-    for statement in statements:
+    for statement in (*statements_of(program), *statements_within(init)):
         match statement:
             case Assign(feature=name) | Do(controller=name):
                 names.add(name)

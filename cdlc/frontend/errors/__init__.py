@@ -1,0 +1,153 @@
+"""Every message of the frontend, a module a topic. The docstring of a kind is its page."""
+
+from cdlc.frontend.errors.files import (
+    EmptyFile,
+    IncludeCycle,
+    LineTooLong,
+    NotText,
+    UnreadableFile,
+)
+from cdlc.frontend.errors.layout import (
+    ExpectedBlock,
+    InconsistentIndentation,
+    NestingTooDeep,
+    TabInIndentation,
+    UnclosedBracket,
+    UnexpectedIndentation,
+    UnmatchedBracket,
+)
+from cdlc.frontend.errors.loops import (
+    MissingReturn,
+    OuterLocal,
+    OutsideLoop,
+    PossibleWriteConflict,
+    RangeNotConstant,
+    ReturnInForeach,
+    UnrollLimit,
+    WriteConflict,
+)
+from cdlc.frontend.errors.names import (
+    BadAnnotation,
+    DuplicateDefinition,
+    HidesDefinition,
+    Shadowing,
+    UnknownAnnotation,
+    UnknownCommand,
+    UnknownFeature,
+    UnknownName,
+    UnknownPragma,
+    UnknownType,
+    WrongKind,
+)
+from cdlc.frontend.errors.problems import (
+    MisplacedPart,
+    MissingPart,
+    OutOfBounds,
+    WrongFileKind,
+)
+from cdlc.frontend.errors.statements import (
+    BadDirection,
+    CallForIndex,
+    DuplicateSection,
+    EqualsInGoal,
+    MisplacedPromotable,
+    MisplacedSection,
+    MisplacedStatement,
+    MissingSection,
+    NotAssignable,
+    NotPromotable,
+    RecursiveCall,
+    UnsupportedGoal,
+)
+from cdlc.frontend.errors.syntax import (
+    Elision,
+    MissingColon,
+    ReservedWord,
+    SyntaxError_,
+    WhileLoop,
+)
+from cdlc.frontend.errors.types import (
+    MissingType,
+    NotAnObjectType,
+    NotComparable,
+    NumberTooLarge,
+    TypeCycle,
+    UninferableParameter,
+    ValueIndex,
+    WrongArgumentCount,
+    WrongArgumentType,
+    WrongType,
+)
+
+__all__ = [
+    # reading files
+    "UnreadableFile",
+    "NotText",
+    "EmptyFile",
+    "LineTooLong",
+    "IncludeCycle",
+    # lines and indentation
+    "TabInIndentation",
+    "InconsistentIndentation",
+    "UnexpectedIndentation",
+    "ExpectedBlock",
+    "UnclosedBracket",
+    "UnmatchedBracket",
+    "NestingTooDeep",
+    # the grammar
+    "SyntaxError_",
+    "MissingColon",
+    "ReservedWord",
+    "WhileLoop",
+    "Elision",
+    # names and annotations
+    "UnknownName",
+    "UnknownFeature",
+    "UnknownType",
+    "UnknownCommand",
+    "DuplicateDefinition",
+    "HidesDefinition",
+    "Shadowing",
+    "WrongKind",
+    "UnknownAnnotation",
+    "BadAnnotation",
+    "UnknownPragma",
+    # types
+    "WrongArgumentCount",
+    "WrongArgumentType",
+    "WrongType",
+    "NotComparable",
+    "NotAnObjectType",
+    "ValueIndex",
+    "TypeCycle",
+    "UninferableParameter",
+    "MissingType",
+    "NumberTooLarge",
+    # statements and sections
+    "MisplacedStatement",
+    "MisplacedPromotable",
+    "NotPromotable",
+    "DuplicateSection",
+    "MisplacedSection",
+    "UnsupportedGoal",
+    "EqualsInGoal",
+    "CallForIndex",
+    "NotAssignable",
+    "RecursiveCall",
+    "MissingSection",
+    "BadDirection",
+    # problem files
+    "MissingPart",
+    "MisplacedPart",
+    "OutOfBounds",
+    "WrongFileKind",
+    # loops, and what is left of data-obliviousness
+    "RangeNotConstant",
+    "UnrollLimit",
+    "OuterLocal",
+    "OutsideLoop",
+    "WriteConflict",
+    "PossibleWriteConflict",
+    "MissingReturn",
+    "ReturnInForeach",
+]
