@@ -26,6 +26,7 @@ from crow.program import (
     Negative,
     Not,
     Object,
+    ObjectType,
     Or,
     Parameter,
     Quantified,
@@ -197,11 +198,16 @@ class Pool:
             return self.choice(condition.operand, otherwise, then)
         if then.type == BOOL and otherwise.type == BOOL:
             return self._boolean_choice(condition, then, otherwise)
-        type_ = (
-            otherwise.type if is_number(then.type) and not is_integer(otherwise.type) else then.type
-        )
+        type_ = self._common(then.type, otherwise.type)
         key = ("if", id(condition), id(then), id(otherwise))
         return self._intern(key, lambda: Conditional(condition, then, otherwise, type_))
+
+    def _common(self, then: Type, otherwise: Type) -> Type:
+        """A type that values of both types have."""
+        if is_object(then) and is_object(otherwise):
+            above = self.hierarchy.ancestors(str(otherwise))
+            return ObjectType(next(t for t in self.hierarchy.ancestors(str(then)) if t in above))
+        return otherwise if is_integer(then) and is_number(otherwise) else then
 
     def _boolean_choice(
         self, condition: Expression, then: Expression, otherwise: Expression
