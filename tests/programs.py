@@ -1,5 +1,6 @@
 """CDL texts to programs and problems, as the driver makes them but without files."""
 
+from functools import cache
 from textwrap import dedent
 
 from crow.problem import Problem, State, World
@@ -20,6 +21,7 @@ from cdlc.frontend.scope import Context
 from cdlc.source import SourceFile
 
 
+@cache
 def checked_domain(text: str) -> CheckedDomain:
     """A domain without mistakes."""
     found = Collector()
@@ -35,12 +37,13 @@ def program_of(text: str) -> Program:
     return checked_domain(text).program
 
 
-def behavior_of(text: str, name: str = "b") -> tuple[Program, Behavior]:
+def behavior_of(text: str, name: str = "act") -> tuple[Program, Behavior]:
     """The program of a domain, and its behavior of that name."""
     program = program_of(text)
     return program, next(b for b in program.behaviors if b.name == name)
 
 
+@cache
 def checked_problem(domain: str, problem: str) -> CheckedProblem:
     """A domain and a problem for it, without mistakes."""
     found = Collector()
@@ -64,19 +67,22 @@ def problem_of(domain: str, problem: str) -> Problem:
     return Problem.of(*statement_of(domain, problem))
 
 
+def _objects(lines: str) -> str:
+    """The section of `a, b: T; c: U`."""
+    return "objects:\n" + "".join(f"  {o.strip()}\n" for o in lines.split(";")) if lines else ""
+
+
 def start(domain: str, objects: str, init: str = "pass") -> tuple[World, State]:
     """The world and initial state of a domain with `a, b: T` and the statements of `init`."""
     lines = "\n".join(f"  {line}" for line in dedent(init).strip().splitlines())
-    named = "objects:\n" + "".join(f"  {o.strip()}\n" for o in objects.split(";")) if objects else ""
-    problem = problem_of(domain, f'problem "p"\n{named}init:\n{lines}\ngoal: True\n')
+    problem = problem_of(domain, f'problem "p"\n{_objects(objects)}init:\n{lines}\ngoal: True\n')
     return problem.world, problem.initial
 
 
 def expression_of(domain: str, text: str, objects: str = "", *, value: bool = False) -> Expression:
     """The typed form of an expression over a domain with the objects `a, b: T`."""
     found = Collector()
-    named = "objects:\n" + "".join(f"  {o.strip()}\n" for o in objects.split(";")) if objects else ""
-    problem = f'problem "p"\n{named}goal: True\n'
+    problem = f'problem "p"\n{_objects(objects)}goal: True\n'
     checked = checked_problem(domain, problem)
     source = SourceFile("expression.cdl", f"minimize: {text}\n" if value else f"goal: {text}\n")
     (part,) = parse(source, found).definitions
