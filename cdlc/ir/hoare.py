@@ -32,11 +32,11 @@ from crow.program import (
     Statement,
     Variable,
 )
+from crow.program.names import fresh_name
 from crow.program.rewrite import rewrite, substitute
 from crow.program.walk import subexpressions
 
 from cdlc.ir.logic import TRUE, choice, conjunction, conjuncts, equality
-from cdlc.ir.names import fresh_name
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from crow.program import (
     Type,
     Variable,
 )
+from crow.program.names import fresh_name
 from crow.program.rewrite import substitute
 from crow.program.types import BOOL
 from crow.program.walk import subexpressions
@@ -24,7 +25,6 @@ from cdlc.backends.pddl.conditions import Lowering, SExpr, atom, condition, type
 from cdlc.backends.pddl.names import Names
 from cdlc.ir.hoare import Triple, Update
 from cdlc.ir.logic import FALSE, TRUE, conjunction, equality, negation
-from cdlc.ir.names import fresh_name
 
 
 @dataclass(frozen=True, slots=True)
