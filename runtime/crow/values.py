@@ -78,6 +78,14 @@ def _as_float32(value: float) -> float:
     return rounded
 
 
+def _escaped(character: str) -> str:
+    if character in '"\\':
+        return "\\" + character
+    if character.isprintable():
+        return character
+    return character.encode("unicode_escape").decode("ascii")
+
+
 def shown(value: Value, type_: Type) -> str:
     """A value as CDL writes it."""
     if isinstance(type_, ObjectType):
@@ -86,7 +94,7 @@ def shown(value: Value, type_: Type) -> str:
         case bool() | int() | float():
             return str(value)
         case str():
-            return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+            return '"' + "".join(map(_escaped, value)) + '"'
         case tuple():
             return "[" + ", ".join(str(item) for item in value) + "]"
         case _:
