@@ -108,7 +108,7 @@ CONDITION = st.recursive(
             _in_parentheses(inner), " if ", _in_parentheses(inner), " else ", _in_parentheses(inner)
         ),
         _operation(
-            st.sampled_from(["forall x: T: ", "exists x, in: U: ", "exists x: T, y: U: "]),
+            st.sampled_from(["forall x: T: ", "exists x, goal: U: ", "exists x: T, y: U: "]),
             _in_parentheses(inner),
         ),
         _operation("holds(a, ", inner, ")"),
