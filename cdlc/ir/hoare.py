@@ -5,6 +5,7 @@ assignment whose arguments and values read the state before the behavior. Bodies
 here: a statement that is not is named in NotModelled.
 """
 
+from collections import ChainMap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -32,11 +33,12 @@ from crow.program import (
     Statement,
     Variable,
 )
-from crow.program.names import fresh_name
-from crow.program.rewrite import rewrite, substitute
-from crow.program.walk import subexpressions
+from crow.program.locals import Locals, set_local
+from crow.program.names import named_binds
+from crow.program.rewrite import rename_quantified, rewrite, substitute
+from crow.program.walk import free_variables, statements_within, subexpressions
 
-from cdlc.ir.logic import TRUE, choice, conjunction, conjuncts, equality
+from cdlc.ir.logic import choice, conjunction, conjuncts, equality, folded, follows
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +83,11 @@ def triple(program: Program, behavior: Behavior) -> Triple | None:
     """
     if behavior.effect is None:
         return None
-    return _Execution(program, behavior).run()
+    try:
+        return _Execution(program, behavior).run()
+    except RecursionError:
+        construct = "a condition or effect nested this deeply"
+        raise NotModelled(construct, behavior.location) from None
 
 
 def regress(condition: Expression, post: Iterable[Update], hierarchy: Hierarchy) -> Expression:
@@ -89,41 +95,95 @@ def regress(condition: Expression, post: Iterable[Update], hierarchy: Hierarchy)
 
     Each read of a written feature becomes a choice on whether it reads the written cell.
     """
-    updates = tuple(post)
+    return _before(condition, tuple(post), {}, hierarchy)
+
+
+def _before(
+    expression: Expression,
+    updates: tuple[Update, ...],
+    variables: Mapping[str, Expression],
+    hierarchy: Hierarchy,
+) -> Expression:
+    """An expression over the state after some updates as one over the state before them.
+
+    `variables` stand for values of before already: reads in them are left as they are.
+    """
 
     def rule(node: Expression) -> Expression:
-        if not isinstance(node, Read):
-            return node
-        value: Expression = node
-        for update in updates:
-            if update.feature == node.feature:
-                pairs = zip(update.arguments, node.arguments, strict=True)
-                same = conjunction(equality(a, b, hierarchy) for a, b in pairs)
-                value = choice(same, update.value, value)
-        return value
+        match node:
+            case Variable(name=name):
+                return variables.get(name, node)
+            case Read():
+                return _value_after(node, updates, hierarchy)
+            case _:
+                return folded(node, hierarchy)
 
-    return rewrite(condition, rule)
+    values = (e for u in updates for e in (*u.arguments, u.value))
+    inside = map(free_variables, (*variables.values(), *values))
+    taken = frozenset(variables).union(*inside)
+    return rewrite(rename_quantified(expression, taken), rule)
+
+
+def _value_after(read: Read, updates: tuple[Update, ...], hierarchy: Hierarchy) -> Expression:
+    value: Expression = read
+    for update in updates:
+        if update.feature == read.feature:
+            pairs = zip(update.arguments, read.arguments, strict=True)
+            same = conjunction(equality(a, b, hierarchy) for a, b in pairs)
+            value = choice(same, update.value, value)
+    return value
+
+
+# ---------------------------------------------------------------------------------------- inlining
+
+# What inlining may come to; functions that call each other twice double with every level.
+_MOST_PARTS = 20_000
 
 
 def inline(program: Program, expression: Expression) -> Expression:
-    """The expression with calls of derived functions replaced by what they return."""
-    functions = {f.name: f for f in program.functions if f.body is not None}
+    """The expression with calls of derived functions replaced by what they return.
 
-    def rule(node: Expression) -> Expression:
-        if not isinstance(node, Apply) or node.function not in functions:
+    Raises NotModelled for a function that is not straight-line, or that grows beyond all measure.
+    """
+    return _Inlining(program).inlined(expression)
+
+
+class _Inlining:
+    def __init__(self, program: Program) -> None:
+        self.functions = {f.name: f for f in program.functions if f.body is not None}
+        self.parts = 0
+
+    def inlined(self, expression: Expression) -> Expression:
+        return rewrite(expression, self._rule)
+
+    def _rule(self, node: Expression) -> Expression:
+        self.parts += 1
+        if not isinstance(node, Apply) or node.function not in self.functions:
             return node
-        return inline(program, _returned(functions[node.function], node))
-
-    return rewrite(expression, rule)
+        function = self.functions[node.function]
+        if self.parts > _MOST_PARTS:
+            construct = f"a call of `{function.name}`, which is too large when written out,"
+            raise NotModelled(construct, node.location)
+        return self.inlined(_returned(function, node))
 
 
 def _returned(function: Function, call: Apply) -> Expression:
-    match function.body:
-        case (Return(value=value),):
-            names = [p.name for p in function.parameters]
-            return substitute(value, dict(zip(names, call.arguments, strict=True)))
-        case _:
-            raise NotModelled(f"the body of `{function.name}`", function.location)
+    """What a call of a straight-line function returns."""
+    names = [p.name for p in function.parameters]
+    variables: dict[str, Expression] = dict(zip(names, call.arguments, strict=True))
+    for statement in function.body or ():
+        match statement:
+            case Let(variable=Parameter(name=name), value=value) | SetLocal(name, value):
+                variables[name] = substitute(value, variables)
+            case Return(value=value):
+                return substitute(value, variables)
+            case _:
+                construct = f"{_construct(statement)} in `{function.name}`"
+                raise NotModelled(construct, statement.location)
+    raise AssertionError("a checked function returns")
+
+
+# --------------------------------------------------------------------------------------- execution
 
 
 class _Execution:
@@ -134,10 +194,11 @@ class _Execution:
         self.behavior = behavior
         self.hierarchy = Hierarchy.of(program.types)
         self.controllers = {c.name: c for c in program.controllers}
+        self.names = {id(bind): names for bind, names in named_binds(behavior)}
         self.parameters = list(behavior.parameters)
-        self.variables: dict[str, Expression] = {
-            p.name: Variable(p.name, p.type) for p in behavior.parameters
-        }
+        self.variables: Locals = ChainMap(
+            {p.name: Variable(p.name, p.type) for p in behavior.parameters}
+        )
         self.pre: list[Expression] = []
         self.calls: list[Do] = []
         self.updates: list[Update] = []
@@ -145,8 +206,7 @@ class _Execution:
     def run(self) -> Triple:
         behavior = self.behavior
         assert behavior.effect is not None
-        members = () if behavior.promotable is None else behavior.promotable.members
-        for statement in (*behavior.left, *members, *behavior.right):
+        for statement in behavior.body:
             self._body(statement)
         self._effect(behavior.effect, self.variables)
         return Triple(
@@ -169,21 +229,19 @@ class _Execution:
                     self._require(condition)
             case Bind():
                 self._bind(statement)
-            case Do(controller=name, arguments=arguments):
-                values = tuple(self._now(a, self.variables) for a in arguments)
-                self.calls.append(replace(statement, arguments=values))
-                controller = self.controllers[name]
-                if controller.effect is not None:
-                    names = [p.name for p in controller.parameters]
-                    self._effect(controller.effect, dict(zip(names, values, strict=True)))
-            case Let(variable=variable, value=value):
-                now = self._now(value, self.variables)
-                if any(isinstance(part, Read) for part in subexpressions(now)):
-                    raise NotModelled("a `let` that reads the state", statement.location)
-                self.variables = {**self.variables, variable.name: now}
-            case Group(order="sequential" | "unordered", body=body):
+            case Do():
+                self._do(statement)
+            case Let(variable=Parameter(name=name), value=value):
+                self.variables[name] = self._local(statement, value)
+            case SetLocal(variable=name, value=value):
+                set_local(self.variables, name, self._local(statement, value))
+            case Group(order="sequential" | "unordered" as order, body=body):
+                if order == "unordered":
+                    _refuse_calls(body)
+                self.variables = self.variables.new_child()
                 for inner in body:
                     self._body(inner)
+                self.variables = self.variables.parents
             case Commit():
                 return
             case _:
@@ -192,16 +250,29 @@ class _Execution:
     def _require(self, condition: Expression) -> None:
         self.pre.append(self._now(condition, self.variables))
 
+    def _local(self, statement: Statement, value: Expression) -> Expression:
+        """The value of a local of the body, which an `achieve` after it must not change."""
+        now = self._now(value, self.variables)
+        if any(isinstance(part, Read) for part in subexpressions(now)):
+            raise NotModelled("a local that reads the state", statement.location)
+        return now
+
     def _bind(self, statement: Bind) -> None:
-        for variable in statement.variables:
+        for variable, name in zip(statement.variables, self.names[id(statement)], strict=True):
             if not isinstance(variable.type, ObjectType):
                 raise NotModelled(f"a `bind` of type `{variable.type}`", statement.location)
-            taken = {p.name for p in self.parameters}
-            fresh = replace(variable, name=fresh_name(variable.name, taken))
-            self.parameters.append(fresh)
-            self.variables = {**self.variables, variable.name: Variable(fresh.name, fresh.type)}
+            self.parameters.append(replace(variable, name=name))
+            self.variables[variable.name] = Variable(name, variable.type)
         if statement.condition is not None:
             self._require(statement.condition)
+
+    def _do(self, statement: Do) -> None:
+        values = tuple(self._now(a, self.variables) for a in statement.arguments)
+        self.calls.append(Do(statement.controller, values, location=statement.location))
+        controller = self.controllers[statement.controller]
+        if controller.effect is not None:
+            names = [p.name for p in controller.parameters]
+            self._effect(controller.effect, dict(zip(names, values, strict=True)))
 
     def _effect(
         self, statements: tuple[Statement, ...], variables: Mapping[str, Expression]
@@ -210,9 +281,7 @@ class _Execution:
             match statement:
                 case Assign(operator="="):
                     self._write(statement, variables)
-                case Let(variable=variable, value=value):
-                    variables = {**variables, variable.name: self._now(value, variables)}
-                case SetLocal(variable=name, value=value):
+                case Let(variable=Parameter(name=name), value=value) | SetLocal(name, value):
                     variables = {**variables, name: self._now(value, variables)}
                 case _:
                     raise NotModelled(_construct(statement), statement.location)
@@ -226,8 +295,15 @@ class _Execution:
 
     def _now(self, expression: Expression, variables: Mapping[str, Expression]) -> Expression:
         """The value of an expression at this point, over the state before the behavior."""
-        plain = substitute(inline(self.program, expression), variables)
-        return regress(plain, self.updates, self.hierarchy)
+        plain = inline(self.program, expression)
+        return _before(plain, tuple(self.updates), variables, self.hierarchy)
+
+
+def _refuse_calls(body: tuple[Statement, ...]) -> None:
+    """Controller calls in any order are as many transitions as there are orders."""
+    for statement in statements_within(body):
+        if isinstance(statement, Do):
+            raise NotModelled("a controller call in `unordered:`", statement.location)
 
 
 def _construct(statement: Statement) -> str:
@@ -244,14 +320,12 @@ def _construct(statement: Statement) -> str:
 
 
 def establishes_goal(program: Program, model: Triple) -> bool | None:
-    """Whether the goal follows from pre and post by folding alone; None when that cannot tell.
+    """Whether the goal holds after every transition, as far as its Boolean structure tells.
 
-    External functions are opaque, so a goal that calls one is never judged.
+    None when that does not tell: values, external functions and quantifiers are opaque.
     """
     if model.goal is None:
         return True
-    goal = inline(program, model.goal)
-    if any(isinstance(part, Apply) for part in subexpressions(goal)):
-        return None
-    before = regress(goal, model.post, Hierarchy.of(program.types))
-    return all(part in model.pre for part in conjuncts(before)) or before == TRUE
+    hierarchy = Hierarchy.of(program.types)
+    before = regress(inline(program, model.goal), model.post, hierarchy)
+    return follows(model.pre, before, hierarchy)

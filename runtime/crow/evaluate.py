@@ -43,11 +43,10 @@ from crow.program import (
     Xor,
 )
 from crow.program.expressions import ArithmeticOperator
+from crow.program.locals import Locals, set_local
 from crow.values import Value, converted, default_value, stored
 
 Environment = Mapping[str, Value]
-Locals = ChainMap[str, Value]
-"""The variables of a block over those of the blocks around it, which it may hide."""
 
 
 _TOO_DEEP = "the computation is nested too deeply"
@@ -296,8 +295,3 @@ class _Run:
                     raise EvaluationError(message, node.location)
                 merged[cell] = value
         self.cells.update(merged)
-
-
-def set_local(variables: Locals, name: str, value: Value) -> None:
-    """Assign a local of this block, or else of the nearest block around it that has one."""
-    next(scope for scope in variables.maps if name in scope)[name] = value

@@ -9,15 +9,7 @@ from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from crow.evaluate import (
-    EvaluationError,
-    Locals,
-    assignments_of,
-    evaluate,
-    execute,
-    holds,
-    set_local,
-)
+from crow.evaluate import EvaluationError, assignments_of, evaluate, execute, holds
 from crow.problem import State, World
 from crow.program import (
     Achieve,
@@ -40,6 +32,7 @@ from crow.program import (
     SetLocal,
     Statement,
 )
+from crow.program.locals import Locals, set_local
 from crow.program.names import named_binds
 from crow.program.walk import free_variables
 from crow.text import expression_text
