@@ -21,6 +21,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="write the files that golden tests compare with",
     )
+    parser.addoption("--run-slow", action="store_true", help="run the tests marked slow, too")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what takes minutes, unless asked for."""
+    if config.getoption("--run-slow"):
+        return
+    for item in items:
+        if item.get_closest_marker("slow") is not None:
+            item.add_marker(pytest.mark.skip(reason="slow; --run-slow runs it"))
 
 
 Golden = Callable[[Path, str], None]
@@ -37,6 +47,7 @@ def golden(pytestconfig: pytest.Config) -> Golden:
     def compare(path: Path, text: str) -> None:
         __tracebackhide__ = True
         if update:
+            path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8", newline="")
             return
         if not path.exists():

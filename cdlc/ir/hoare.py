@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from itertools import permutations
 
 from cdlc.ir.behaviors import body_of
-from cdlc.ir.names import fresh_name
 from cdlc.ir.pool import Level, Pool, in_order
 from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables
 from crow.program import (
@@ -38,6 +37,7 @@ from crow.program import (
     Statement,
     Variable,
 )
+from crow.program.names import fresh_name
 from crow.program.types import INT64
 
 MAX_TRIPLES = 64

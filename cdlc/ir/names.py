@@ -1,17 +1,9 @@
-"""Names that are not taken, and names of formulas' own variables for people."""
+"""Names for people of the variables that formulas bind themselves."""
 
 from collections.abc import Collection
 
 from crow.program import Parameter
-
-
-def fresh_name(name: str, taken: Collection[str]) -> str:
-    """The name itself, or with the first number from 2 that makes it free: `y`, `y_2`, …"""
-    candidate, number = name, 1
-    while candidate in taken:
-        number += 1
-        candidate = f"{name}_{number}"
-    return candidate
+from crow.program.names import fresh_name
 
 
 def shown_name(variable: Parameter, taken: Collection[str]) -> str:

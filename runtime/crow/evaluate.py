@@ -3,12 +3,13 @@
 Effects run statement by statement (D.3, D.5): a `foreach` is parallel, everything else in order.
 """
 
-import math
 import operator
-from collections.abc import Callable, Mapping
+from collections import ChainMap
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from itertools import product
-from typing import assert_never
+from typing import assert_never, cast
 
+from crow.arithmetic import arithmetic, negated
 from crow.problem import Cell, State, World
 from crow.program import (
     And,
@@ -37,15 +38,18 @@ from crow.program import (
     Return,
     SetLocal,
     Statement,
-    Type,
     Variable,
     Vector,
     Xor,
 )
-from crow.program.types import is_integer
-from crow.values import Value, ValueRangeError, default_value, stored
+from crow.program.expressions import ArithmeticOperator
+from crow.program.locals import Locals, set_local
+from crow.values import Value, converted, default_value, stored
 
 Environment = Mapping[str, Value]
+
+
+_TOO_DEEP = "the computation is nested too deeply"
 
 
 class EvaluationError(Exception):
@@ -62,7 +66,10 @@ def evaluate(world: World, state: State, expression: Expression, variables: Envi
     Raises EvaluationError for an unset value, a division by zero, a number out of range, or an
     external function, which needs Python that is not given.
     """
-    return _Evaluator(world, state.cells).value(expression, variables)
+    try:
+        return _Evaluator(world, state.cells).value(expression, variables)
+    except RecursionError:
+        raise EvaluationError(_TOO_DEEP, expression.location) from None
 
 
 def holds(world: World, state: State, condition: Expression, variables: Environment) -> bool:
@@ -76,9 +83,13 @@ def execute(
     """The state after an effect or `init`. Raises EvaluationError as `evaluate` does, and for a
     `foreach` whose iterations write different values to one cell.
     """
-    run = _Run(world, dict(state.cells))
-    run.block(statements, dict(variables))
-    return state.updated(run.written) if run.written else state
+    run = _Run(world, state.cells)
+    try:
+        run.block(statements, ChainMap(dict(variables)))
+    except RecursionError:
+        location = statements[0].location if statements else None
+        raise EvaluationError(_TOO_DEEP, location) from None
+    return world.updated(state, run.written)
 
 
 # -------------------------------------------------------------------------------------- expressions
@@ -91,15 +102,8 @@ _COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {
     ">": operator.gt,
     ">=": operator.ge,
 }
-_ARITHMETIC: Mapping[str, Callable[[Value, Value], Value]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
-    "//": operator.floordiv,
-    "%": operator.mod,
-    "**": operator.pow,
-}
+_CHOICES: Mapping[str, Callable[[list[Value]], Value]] = {"min": min, "max": max}
+_AUGMENTED: Mapping[str, ArithmeticOperator] = {"+=": "+", "-=": "-", "*=": "*", "/=": "/"}
 
 
 class _Evaluator:
@@ -127,23 +131,23 @@ class _Evaluator:
                 return self.value(left, variables) != self.value(right, variables)
             case Compare(operator=op, left=left, right=right):
                 return _COMPARISONS[op](self.value(left, variables), self.value(right, variables))
-            case Conditional(condition=condition, then=then, otherwise=otherwise):
+            case Conditional(condition=condition, then=then, otherwise=otherwise, type=type_):
                 chosen = then if self.value(condition, variables) else otherwise
-                return self.value(chosen, variables)
+                value = self.value(chosen, variables)
+                return _located(node.location, converted, value, type_)
             case Quantified():
                 return self._quantified(node, variables)
             case Vector(elements=elements):
                 return tuple(self.value(e, variables) for e in elements)
-            case Negative(operand=operand):
-                value = self.value(operand, variables)
-                return tuple(-v for v in value) if isinstance(value, tuple) else -value
-            case Arithmetic():
-                return self._arithmetic(node, variables)
-            case Builtin(function=function, arguments=arguments):
+            case Negative(operand=operand, type=type_):
+                return _located(node.location, negated, self.value(operand, variables), type_)
+            case Arithmetic(operator=op, left=left, right=right, type=type_):
+                sides = self.value(left, variables), self.value(right, variables)
+                return _located(node.location, arithmetic, op, *sides, type_)
+            case Builtin(function=function, arguments=arguments, type=type_):
                 values = [self.value(a, variables) for a in arguments]
-                return (
-                    abs(values[0]) if function == "abs" else (min, max)[function == "max"](values)
-                )
+                value = abs(values[0]) if function == "abs" else _CHOICES[function](values)
+                return _located(node.location, converted, value, type_)
             case Apply():
                 return self._apply(node, variables)
             case _:
@@ -151,11 +155,15 @@ class _Evaluator:
 
     def _read(self, node: Read, variables: Environment) -> Value:
         cell = (node.feature, tuple([self.value(a, variables) for a in node.arguments]))
+        return self.cell(cell, node.location)
+
+    def cell(self, cell: Cell, location: Location | None) -> Value:
+        """The value of a cell, or the default of its type."""
         if cell in self.cells:
             return self.cells[cell]
-        default = default_value(self.world.features[node.feature].type)
+        default = default_value(self.world.features[cell[0]].type)
         if default is None:
-            raise EvaluationError(f"`{shown_cell(cell)}` has no value", node.location)
+            raise EvaluationError(f"`{shown_cell(cell)}` has no value", location)
         return default
 
     def _quantified(self, node: Quantified, variables: Environment) -> bool:
@@ -163,52 +171,35 @@ class _Evaluator:
         test = all if node.quantifier == "forall" else any
         return test(self.value(node.body, inner) for inner in assignments)
 
-    def _arithmetic(self, node: Arithmetic, variables: Environment) -> Value:
-        left, right = self.value(node.left, variables), self.value(node.right, variables)
-        compute = _ARITHMETIC[node.operator]
-        try:
-            match left, right:
-                case tuple(), tuple():
-                    return tuple(compute(a, b) for a, b in zip(left, right, strict=True))
-                case tuple(), _:
-                    return tuple(compute(a, right) for a in left)
-                case _, tuple():
-                    return tuple(compute(left, b) for b in right)
-                case _:
-                    return _checked(compute(left, right), node.type)
-        except ZeroDivisionError:
-            raise EvaluationError("division by zero", node.location) from None
-        except (ArithmeticError, ValueError) as error:
-            raise EvaluationError(str(error), node.location) from None
-
     def _apply(self, node: Apply, variables: Environment) -> Value:
         function = self.world.functions[node.function]
         if function.body is None:
             message = f"the external function `{function.name}` has no Python given for it"
             raise EvaluationError(message, node.location)
-        values = [self.value(a, variables) for a in node.arguments]
-        names = [p.name for p in function.parameters]
-        result = _Run(self.world, dict(self.cells)).block(
-            function.body, dict(zip(names, values, strict=True))
-        )
+        inner: Locals = ChainMap()
+        for parameter, argument in zip(function.parameters, node.arguments, strict=True):
+            given = self.value(argument, variables)
+            inner[parameter.name] = _located(argument.location, converted, given, parameter.type)
+        result = _Run(self.world, self.cells).block(function.body, inner)
         assert isinstance(result, _Returned)
-        return result.value
+        return _located(node.location, converted, result.value, function.type)
 
 
-def _checked(value: Value, type_: Type) -> Value:
-    """A result within its type; Python's own integers and powers know no bounds."""
-    if isinstance(value, complex) or (isinstance(value, float) and math.isnan(value)):
-        raise ValueRangeError("the result is not a real number")
-    return stored(value, type_) if is_integer(type_) and isinstance(value, int) else value
+def _located(location: Location | None, compute: Callable[..., Value], *arguments: object) -> Value:
+    """What a computation gives; an error of arithmetic gets its place in the source."""
+    try:
+        return compute(*arguments)
+    except ArithmeticError as error:
+        raise EvaluationError(str(error), location) from None
 
 
 def assignments_of(
     world: World, variables: tuple[Parameter, ...], outer: Environment
-) -> list[dict[str, Value]]:
+) -> Iterator[dict[str, Value]]:
     """The outer variables with every tuple of objects for some more, in order of declaration."""
     names = [v.name for v in variables]
     domains = [world.objects_of(v.type) for v in variables]
-    return [{**outer, **dict(zip(names, t, strict=True))} for t in product(*domains)]
+    return ({**outer, **dict(zip(names, t, strict=True))} for t in product(*domains))
 
 
 def shown_cell(cell: Cell) -> str:
@@ -230,32 +221,35 @@ _Signal = _Returned | type[Break] | type[Continue] | None
 
 
 class _Run:
-    """One run over a state of its own, remembering what it wrote."""
+    """One run over the cells of a state, which it leaves alone: `written` is what it wrote."""
 
-    def __init__(self, world: World, cells: dict[Cell, object]) -> None:
+    def __init__(self, world: World, cells: Mapping[Cell, object]) -> None:
         self.world = world
-        self.cells = cells
         self.written: dict[Cell, object] = {}
-        self.evaluator = _Evaluator(world, cells)
+        # Only reading goes through to the map below; it is never written to.
+        below = cast("MutableMapping[Cell, object]", cells)
+        self.cells = ChainMap(self.written, below)
+        self.evaluator = _Evaluator(world, self.cells)
 
-    def block(self, statements: tuple[Statement, ...], variables: dict[str, Value]) -> _Signal:
+    def block(self, statements: tuple[Statement, ...], variables: Locals) -> _Signal:
         for statement in statements:
             signal = self._statement(statement, variables)
             if signal is not None:
                 return signal
         return None
 
-    def _statement(self, node: Statement, variables: dict[str, Value]) -> _Signal:
+    def _statement(self, node: Statement, variables: Locals) -> _Signal:
         match node:
             case Assign():
                 self._assign(node, variables)
             case Let(variable=variable, value=value):
-                variables[variable.name] = self.evaluator.value(value, variables)
+                given = self.evaluator.value(value, variables)
+                variables[variable.name] = _located(node.location, converted, given, variable.type)
             case SetLocal(variable=name, value=value):
-                variables[name] = self.evaluator.value(value, variables)
+                set_local(variables, name, self.evaluator.value(value, variables))
             case If(condition=condition, then=then, otherwise=otherwise):
                 chosen = then if self.evaluator.value(condition, variables) else otherwise
-                return self.block(chosen, variables)
+                return self.block(chosen, variables.new_child())
             case ForRange():
                 return self._for(node, variables)
             case ForEach():
@@ -271,41 +265,33 @@ class _Run:
         return None
 
     def _assign(self, node: Assign, variables: Environment) -> None:
-        evaluate_ = self.evaluator.value
         feature = self.world.features[node.feature]
-        cell = (node.feature, tuple([evaluate_(a, variables) for a in node.arguments]))
-        value = evaluate_(node.value, variables)
+        arguments = tuple([self.evaluator.value(a, variables) for a in node.arguments])
+        cell = (node.feature, arguments)
+        value = self.evaluator.value(node.value, variables)
         if node.operator != "=":
-            read = Read(node.feature, node.arguments, feature.type, location=node.location)
-            symbol = node.operator[0]
-            assert symbol in ("+", "-", "*", "/")
-            sum_ = Arithmetic(symbol, read, node.value, feature.type, location=node.location)  # type: ignore[arg-type]
-            value = evaluate_(sum_, variables)
-        try:
-            value = stored(value, feature.type)
-        except ValueRangeError as error:
-            raise EvaluationError(str(error), node.location) from None
-        self.cells[cell] = self.written[cell] = value
+            before = self.evaluator.cell(cell, node.location)
+            op = _AUGMENTED[node.operator]
+            value = _located(node.location, arithmetic, op, before, value, feature.type)
+        self.cells[cell] = _located(node.location, stored, value, feature.type)
 
-    def _for(self, node: ForRange, variables: dict[str, Value]) -> _Signal:
+    def _for(self, node: ForRange, variables: Locals) -> _Signal:
         for number in range(node.start, node.stop, node.step):
-            variables[node.variable.name] = number
-            signal = self.block(node.body, variables)
+            signal = self.block(node.body, variables.new_child({node.variable.name: number}))
             if signal is Break:
                 break
             if isinstance(signal, _Returned):
                 return signal
         return None
 
-    def _foreach(self, node: ForEach, variables: dict[str, Value]) -> None:
+    def _foreach(self, node: ForEach, variables: Environment) -> None:
         merged: dict[Cell, object] = {}
         for inner in assignments_of(self.world, node.variables, variables):
-            run = _Run(self.world, dict(self.cells))
-            run.block(node.body, inner)
+            run = _Run(self.world, self.cells)
+            run.block(node.body, ChainMap(inner))
             for cell, value in run.written.items():
                 if cell in merged and merged[cell] != value:
                     message = f"iterations write different values to `{shown_cell(cell)}`"
                     raise EvaluationError(message, node.location)
                 merged[cell] = value
         self.cells.update(merged)
-        self.written.update(merged)

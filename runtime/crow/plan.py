@@ -80,8 +80,12 @@ class Result:
 
 def call_text(name: str, arguments: tuple[Value, ...], bindings: dict[str, Value]) -> str:
     """A call as `simulate --step` takes it: `r_clear(b, y=c)`."""
-    parts = [str(a) for a in arguments] + [f"{k}={v}" for k, v in bindings.items()]
+    parts = [_written(a) for a in arguments] + [f"{k}={_written(v)}" for k, v in bindings.items()]
     return f"{name}({', '.join(parts)})"
+
+
+def _written(value: Value) -> str:
+    return f"[{', '.join(map(_written, value))}]" if isinstance(value, tuple) else str(value)
 
 
 def plan_text(steps: tuple[Step, ...]) -> str:

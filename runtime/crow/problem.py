@@ -18,6 +18,7 @@ from crow.program import (
     Type,
 )
 from crow.program.definitions import Behavior
+from crow.values import default_value
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,14 @@ class World:
         """Every tuple of objects that a feature has a value for, in order of declaration."""
         return product(*(self.objects_of(p.type) for p in feature.parameters))
 
+    def updated(self, state: "State", changes: Mapping["Cell", object]) -> "State":
+        """The state after some cells changed."""
+        cells = {**state.cells, **changes}
+        for (feature, arguments), value in changes.items():
+            if value == default_value(self.features[feature].type):
+                del cells[feature, arguments]
+        return State(cells)
+
 
 Cell = tuple[str, tuple[str, ...]]
 """A feature with the names of its arguments."""
@@ -83,10 +92,6 @@ class State:
     """The value of each cell that differs from its default; never changed in place."""
 
     cells: Mapping[Cell, object] = field(default_factory=dict)
-
-    def updated(self, changes: Mapping[Cell, object]) -> "State":
-        """The state after some cells changed."""
-        return State({**self.cells, **changes})
 
 
 @dataclass(frozen=True)

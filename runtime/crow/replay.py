@@ -6,10 +6,11 @@ It is kept apart from every search so that it cannot share a mistake with one.
 from dataclasses import dataclass
 
 from crow.evaluate import EvaluationError, execute, holds
+from crow.plan import call_text
 from crow.problem import Problem, State, World
 from crow.program import Expression, Location
 from crow.text import expression_text
-from crow.trace import AssertItem, DoItem, EffItem, Trace
+from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
 from crow.values import Value
 
 
@@ -48,23 +49,60 @@ def replay(world: World, initial: State, trace: Trace) -> Replay:
     """
     states = [initial]
     for index, item in enumerate(trace):
-        state = states[-1]
         try:
-            match item:
-                case AssertItem(condition=condition, variables=variables):
-                    if not holds(world, state, condition, variables):
-                        failure = Failure(index, item.text, "it is false here", item.location)
-                        return Replay(tuple(states), failure)
-                case EffItem(statements=statements, variables=variables):
-                    state = execute(world, state, statements, variables)
-                case DoItem():
-                    pass
-        except EvaluationError as error:
-            text = item.text if isinstance(item, AssertItem) else "effect"
-            failure = Failure(index, text, str(error), error.location or item.location)
+            after = _after(world, states[-1], item, trace[index + 1 : index + 2])
+        except _Failed as failed:
+            failure = Failure(index, _item_text(item), failed.reason, failed.location)
             return Replay(tuple(states), failure)
-        states.append(state)
+        states.append(after)
     return Replay(tuple(states), None)
+
+
+class _Failed(Exception):  # noqa: N818 - ends the walk over the trace
+    def __init__(self, reason: str, location: Location | None) -> None:
+        super().__init__()
+        self.reason = reason
+        self.location = location
+
+
+def _after(world: World, state: State, item: TraceItem, following: Trace) -> State:
+    """The state after an item; a controller with an effect needs it right after its `do`."""
+    try:
+        match item:
+            case AssertItem(condition=condition, variables=variables):
+                if not holds(world, state, condition, variables):
+                    raise _Failed("it is false here", item.location)
+                return state
+            case EffItem(statements=statements, variables=variables):
+                return execute(world, state, statements, variables)
+            case DoItem():
+                if not _has_its_effect(world, item, following):
+                    raise _Failed("its effect does not follow", item.location)
+                return state
+    except EvaluationError as error:
+        raise _Failed(str(error), error.location or item.location) from None
+
+
+def _has_its_effect(world: World, item: DoItem, following: Trace) -> bool:
+    controller = world.controllers[item.controller]
+    if controller.effect is None:
+        return True
+    names = [parameter.name for parameter in controller.parameters]
+    match following:
+        case (EffItem(owner=controller.name, variables=variables),):
+            return [variables.get(name) for name in names] == list(item.arguments)
+        case _:
+            return False
+
+
+def _item_text(item: TraceItem) -> str:
+    match item:
+        case AssertItem(text=text):
+            return text
+        case DoItem(controller=name, arguments=arguments):
+            return f"do {call_text(name, arguments, {})}"
+        case EffItem(owner=owner):
+            return f"eff of {owner}"
 
 
 def replay_to_goal(problem: Problem, trace: Trace) -> Replay:

@@ -51,7 +51,8 @@ def _list(nodes: tuple[Expression, ...]) -> str:
 def _text(node: Expression) -> tuple[str, int]:
     match node:
         case Constant(value=value, type=type_):
-            return shown(value, type_), _ATOM
+            text = shown(value, type_)
+            return text, _UNARY if text.startswith("-") else _ATOM
         case Variable(name=name) | Object(name=name):
             return name, _ATOM
         case Read(feature=name, arguments=arguments) | Apply(function=name, arguments=arguments):

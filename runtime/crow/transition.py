@@ -5,6 +5,7 @@ This is what a planner's step does; whether the program would ever choose the st
 must still hold at the next `do` and at the effect (semantics.md §2).
 """
 
+from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -17,6 +18,7 @@ from crow.program import (
     Bind,
     Call,
     Commit,
+    Controller,
     Do,
     Expression,
     ForEach,
@@ -27,8 +29,12 @@ from crow.program import (
     Location,
     ObjectType,
     Parameter,
+    SetLocal,
     Statement,
 )
+from crow.program.locals import Locals, set_local
+from crow.program.names import named_binds
+from crow.program.walk import free_variables
 from crow.text import expression_text
 from crow.trace import AssertItem, DoItem, EffItem, Trace
 from crow.values import Value
@@ -79,12 +85,13 @@ def apply(
 ) -> Transition:
     """Apply a behavior in a state.
 
-    `arguments` are one value a parameter; `bindings` choose values for `bind`s by name. A bind that
-    is not chosen takes the one object that satisfies its condition, if there is just one.
+    `arguments` are one value a parameter; `bindings` choose values for `bind`s by the names that
+    `named_binds` gives them. A bind that is not chosen takes the one object that satisfies its
+    condition, if there is just one.
     """
     names = [p.name for p in behavior.parameters]
     variables = dict(zip(names, arguments, strict=True))
-    run = _Application(world, state, behavior, variables, dict(bindings or {}))
+    run = _Application(world, state, behavior, ChainMap(variables), dict(bindings or {}))
     problem = run.run()
     return Transition(tuple(run.trace), run.state, run.bound, problem)
 
@@ -97,28 +104,29 @@ class _Stop(Exception):  # noqa: N818 - ends the walk over the body
 
 @dataclass(slots=True)
 class _Application:
+    """One walk over a body; `held` are the conditions to check again at the next step."""
+
     world: World
     state: State
     behavior: Behavior
-    variables: dict[str, Value]
+    variables: Locals
     chosen: dict[str, Value]
     trace: list[AssertItem | DoItem | EffItem] = field(default_factory=list)
-    held: list[AssertItem] = field(default_factory=list)
+    held: list[tuple[AssertItem, State]] = field(default_factory=list)
     bound: dict[str, Value] = field(default_factory=dict)
+    names: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    values: set[str] = field(default_factory=set)
 
     def run(self) -> Unmet | Ambiguous | None:
         behavior = self.behavior
-        members = () if behavior.promotable is None else behavior.promotable.members
+        self.names = {id(bind): names for bind, names in named_binds(behavior)}
         try:
-            self._statements((*behavior.left, *members, *behavior.right))
+            self._statements(behavior.body)
             if behavior.effect is not None:
                 self._check_held()
-                parameters = behavior.parameters
-                self._effect(behavior.name, behavior.effect, parameters, self.variables)
+                self._effect(behavior, dict(self.variables), behavior.location)
         except _Stop as stop:
             return stop.problem
-        except EvaluationError as error:
-            return Unmet("a computation", str(error), error.location)
         return None
 
     def _statements(self, statements: tuple[Statement, ...]) -> None:
@@ -128,7 +136,8 @@ class _Application:
     def _statement(self, node: Statement) -> None:
         match node:
             case Assert(condition=condition):
-                self._require(condition, node.location)
+                is_held = self.values.isdisjoint(free_variables(condition))
+                self._require(condition, node.location, is_held=is_held)
             case Achieve(condition=condition, once=once):
                 self._require(condition, node.location, is_held=not once)
             case Bind():
@@ -136,18 +145,22 @@ class _Application:
             case Do():
                 self._do(node)
             case Let(variable=variable, value=value):
-                self.variables[variable.name] = self._value(value)
+                self._set(variable.name, self._value(value))
+            case SetLocal(variable=name, value=value):
+                set_local(self.variables, name, self._value(value))
             case If(condition=condition, then=then, otherwise=otherwise):
-                self._statements(then if self._value(condition) else otherwise)
+                self._block(then if self._value(condition) else otherwise)
             case ForEach(variables=variables, body=body):
-                self._loop(assignments_of(self.world, variables, self.variables), body)
+                names = [v.name for v in variables]
+                for chosen in assignments_of(self.world, variables, {}):
+                    self._block(body, {name: chosen[name] for name in names})
             case ForRange(variable=variable, body=body):
-                numbers = range(node.start, node.stop, node.step)
-                self._loop([{**self.variables, variable.name: n} for n in numbers], body)
+                for number in range(node.start, node.stop, node.step):
+                    self._block(body, {variable.name: number})
             case Group(order="alternative"):
                 raise _Stop(Unmet("alternative", "its choice is made by search", node.location))
             case Group(body=body):
-                self._statements(body)
+                self._block(body)
             case Call():
                 self._call(node)
             case Commit():
@@ -155,15 +168,25 @@ class _Application:
             case _:
                 raise AssertionError(f"{type(node).__name__} in a body")
 
-    def _loop(self, rounds: list[dict[str, Value]], body: tuple[Statement, ...]) -> None:
+    def _block(
+        self, statements: tuple[Statement, ...], variables: dict[str, Value] | None = None
+    ) -> None:
+        """A block of its own: what it declares hides outer names until its end."""
         outer = self.variables
-        for inner in rounds:
-            self.variables = inner
-            self._statements(body)
+        self.variables = outer.new_child(variables or {})
+        self._statements(statements)
         self.variables = outer
 
+    def _set(self, name: str, value: Value) -> None:
+        self.variables[name] = value
+        self.values.discard(name)
+
     def _value(self, expression: Expression) -> Value:
-        return evaluate(self.world, self.state, expression, self.variables)
+        try:
+            return evaluate(self.world, self.state, expression, self.variables)
+        except EvaluationError as error:
+            text = expression_text(expression)
+            raise _Stop(Unmet(text, str(error), error.location)) from None
 
     def _require(
         self, condition: Expression, location: Location | None, *, is_held: bool = True
@@ -173,85 +196,114 @@ class _Application:
         )
         self._check(item, "it is false where it stands")
         if is_held:
-            self.held.append(item)
+            self.held.append((item, self.state))
 
     def _check(self, item: AssertItem, reason: str) -> None:
         self.trace.append(item)
-        if not holds(self.world, self.state, item.condition, item.variables):
+        try:
+            is_true = holds(self.world, self.state, item.condition, item.variables)
+        except EvaluationError as error:
+            raise _Stop(Unmet(item.text, str(error), error.location)) from None
+        if not is_true:
             raise _Stop(Unmet(item.text, reason, item.location))
 
     def _check_held(self) -> None:
-        """Before a `do` and the effect, what was required must still hold."""
-        if self.behavior.effect is None:
-            return
-        if any(isinstance(item, EffItem) for item in self.trace):
-            for item in self.held:
-                self._check(item, "it no longer holds at the next step of the behavior")
+        """Before a `do` and the effect, what was required since the last `do` must still hold."""
+        if self.behavior.effect is not None:
+            for item, state in self.held:
+                if state is not self.state:
+                    self._check(item, "it no longer holds at the next step of the behavior")
+        self.held.clear()
 
     def _bind(self, node: Bind) -> None:
-        for variable in node.variables:
-            self.variables.pop(variable.name, None)
-        candidates = [
-            assignment
-            for assignment in assignments_of(self.world, self._open(node), self._fixed(node))
-            if node.condition is None or holds(self.world, self.state, node.condition, assignment)
-        ]
-        names = [v.name for v in node.variables]
-        if len(candidates) > 1:
-            name = next(n for n in names if len({c[n] for c in candidates}) > 1)
-            choices = tuple(dict.fromkeys(str(c[name]) for c in candidates))
-            raise _Stop(Ambiguous(name, choices, node.location))
-        if not candidates:
-            text = "True" if node.condition is None else expression_text(node.condition)
-            wanted = " and ".join(f"`{name}`" for name in names)
-            given = all(name in self.chosen for name in names)
-            reason = "it is false where it stands" if given else f"no object can be {wanted}"
-            raise _Stop(Unmet(text, reason, node.location))
-        self.variables = candidates[0]
-        self.bound |= {name: candidates[0][name] for name in names}
-        if node.condition is not None:
-            self._require(node.condition, node.location)
-
-    def _open(self, node: Bind) -> tuple[Parameter, ...]:
-        """The variables of a bind that the caller did not choose."""
-        free = tuple(v for v in node.variables if v.name not in self.chosen)
+        names = self.names[id(node)]
+        fixed = self._given(node, names)
+        free = tuple(v for v in node.variables if v.name not in fixed)
         for variable in free:
             if not isinstance(variable.type, ObjectType):
                 reason = f"a value of type `{variable.type}` has to be given"
                 raise _Stop(Unmet(f"bind {variable.name}", reason, node.location))
-        return free
+        candidates = self._candidates(node, free, fixed)
+        if len(candidates) > 1:
+            raise _Stop(_ambiguous(node, names, candidates))
+        if not candidates:
+            raise _Stop(_impossible(node, names, is_given=not free))
+        (chosen,) = candidates
+        for variable, name in zip(node.variables, names, strict=True):
+            self._set(variable.name, chosen[variable.name])
+            self.bound[name] = chosen[variable.name]
+        values = {v.name for v in node.variables if not isinstance(v.type, ObjectType)}
+        self.values |= values
+        if node.condition is not None:
+            self._require(node.condition, node.location, is_held=not values)
 
-    def _fixed(self, node: Bind) -> dict[str, Value]:
-        chosen = {v.name: self.chosen[v.name] for v in node.variables if v.name in self.chosen}
-        return {**self.variables, **chosen}
+    def _given(self, node: Bind, names: tuple[str, ...]) -> dict[str, Value]:
+        """The variables of a bind that the caller chose, with their values."""
+        pairs = zip(node.variables, names, strict=True)
+        return {v.name: self.chosen[name] for v, name in pairs if name in self.chosen}
+
+    def _candidates(
+        self, node: Bind, free: tuple[Parameter, ...], fixed: dict[str, Value]
+    ) -> list[dict[str, Value]]:
+        """The assignments of the free variables that satisfy the condition."""
+        assignments = assignments_of(self.world, free, {**self.variables, **fixed})
+        condition = node.condition
+        if condition is None:
+            return list(assignments)
+        try:
+            return [a for a in assignments if holds(self.world, self.state, condition, a)]
+        except EvaluationError as error:
+            raise _Stop(Unmet(expression_text(condition), str(error), error.location)) from None
 
     def _do(self, node: Do) -> None:
-        self._check_held()
         values = tuple(self._value(a) for a in node.arguments)
+        self._check_held()
         self.trace.append(DoItem(node.controller, values, location=node.location))
         controller = self.world.controllers[node.controller]
         if controller.effect is not None:
             names = [p.name for p in controller.parameters]
-            variables = dict(zip(names, values, strict=True))
-            self._effect(controller.name, controller.effect, controller.parameters, variables)
+            self._effect(controller, dict(zip(names, values, strict=True)), node.location)
 
     def _call(self, node: Call) -> None:
+        """The called behavior where it stands; binds of the caller's names are not chosen in it."""
         called = self.world.behaviors[node.behavior]
         arguments = tuple(self._value(a) for a in node.arguments)
-        inner = apply(self.world, self.state, called, arguments, self.chosen)
+        own = {name for names in self.names.values() for name in names}
+        chosen = {name: value for name, value in self.chosen.items() if name not in own}
+        inner = apply(self.world, self.state, called, arguments, chosen)
         self.trace += inner.trace
         self.state = inner.state
+        self.bound |= {n: v for n, v in inner.bindings.items() if n not in own}
         if inner.problem is not None:
             raise _Stop(inner.problem)
 
     def _effect(
         self,
-        owner: str,
-        statements: tuple[Statement, ...],
-        parameters: tuple[Parameter, ...],
+        owner: Behavior | Controller,
         variables: dict[str, Value],
+        location: Location | None,
     ) -> None:
-        location = self.behavior.location
-        item = EffItem(owner, statements, parameters, dict(variables), location=location)
-        self.trace.append(item)
-        self.state = execute(self.world, self.state, statements, variables)
+        statements = owner.effect or ()
+        self.trace.append(EffItem(owner.name, statements, owner.parameters, variables, location))
+        try:
+            self.state = execute(self.world, self.state, statements, variables)
+        except EvaluationError as error:
+            reason = str(error)
+            raise _Stop(Unmet(f"eff of {owner.name}", reason, error.location)) from None
+
+
+def _ambiguous(node: Bind, names: tuple[str, ...], candidates: list[dict[str, Value]]) -> Ambiguous:
+    """The first variable that several objects can be."""
+    for variable, name in zip(node.variables, names, strict=True):
+        choices = tuple(dict.fromkeys(str(c[variable.name]) for c in candidates))
+        if len(choices) > 1:
+            return Ambiguous(name, choices, node.location)
+    raise AssertionError("assignments differ in a variable")
+
+
+def _impossible(node: Bind, names: tuple[str, ...], *, is_given: bool) -> Unmet:
+    text = "True" if node.condition is None else expression_text(node.condition)
+    if is_given:
+        return Unmet(text, "it is false where it stands", node.location)
+    wanted = " and ".join(f"`{name}`" for name in names)
+    return Unmet(text, f"no object can be {wanted}", node.location)

@@ -6,13 +6,13 @@ Objects are their names. Vectors are tuples of numbers. Opaque Python values sta
 import struct
 from typing import Any
 
-from crow.program import FLOAT32, INT32, INT64, ObjectType, Type, VectorType
+from crow.program import FLOAT32, INT32, INT64, ListType, ObjectType, Type, VectorType
 from crow.program.types import BOOL, is_number, underlying
 
 Value = Any
 """A bool, int, float, string, object name, tuple of numbers, or opaque Python value."""
 
-_WIDTHS = {INT32: 32, INT64: 64}
+_WIDTHS: dict[Type, int] = {INT32: 32, INT64: 64}
 
 
 class ValueRangeError(ArithmeticError):
@@ -28,30 +28,62 @@ def default_value(type_: Type) -> Value | None:
     return None
 
 
-def stored(value: Value, type_: Type) -> Value:
-    """A value as a cell of that type holds it: float32 rounded, integers within their width.
+def converted(value: Value, type_: Type) -> Value:
+    """A value as an expression of that type has it: integers within their width, floats as double.
 
-    Raises ValueRangeError for a number that does not fit.
+    Raises ValueRangeError for a number, or a vector, that the type does not hold.
     """
     plain = underlying(type_)
     if plain in _WIDTHS:
-        bound = 1 << (_WIDTHS[plain] - 1)
-        if not -bound <= value < bound:
-            raise ValueRangeError(f"{value} does not fit into `{plain}`")
-        return value
-    if plain == FLOAT32:
-        return _as_float32(value)
-    if isinstance(plain, VectorType):
-        return tuple(stored(item, plain.element) for item in value)
-    return float(value) if is_number(plain) else value
+        return _within(value, plain)
+    match plain:
+        case VectorType(element, length):
+            if length is not None and length != len(value):
+                raise ValueRangeError(f"a vector of {len(value)} elements is no `{plain}`")
+            return tuple(converted(item, element) for item in value)
+        case ListType(element):
+            return tuple(converted(item, element) for item in value)
+        case _:
+            return float(value) if is_number(plain) else value
+
+
+def stored(value: Value, type_: Type) -> Value:
+    """A value as a cell of that type holds it: as `converted`, and float32 is rounded.
+
+    Raises ValueRangeError for a number, or a vector, that the type does not hold.
+    """
+    return _rounded(converted(value, type_), underlying(type_))
+
+
+def _within(value: Value, type_: Type) -> Value:
+    bound = 1 << (_WIDTHS[type_] - 1)
+    if not isinstance(value, int) or not -bound <= value < bound:
+        raise ValueRangeError(f"{value} does not fit into `{type_}`")
+    return value
+
+
+def _rounded(value: Value, type_: Type) -> Value:
+    match type_:
+        case VectorType(element=element) | ListType(element=element):
+            return tuple(_rounded(item, underlying(element)) for item in value)
+        case _:
+            return _as_float32(value) if type_ == FLOAT32 else value
 
 
 def _as_float32(value: float) -> float:
     try:
-        rounded: float = struct.unpack("f", struct.pack("f", value))[0]
+        rounded: float = struct.unpack("<f", struct.pack("<f", value))[0]
     except OverflowError:
         raise ValueRangeError(f"{value} does not fit into `float32`") from None
     return rounded
+
+
+def _escaped(character: str) -> str:
+    if character in '"\\':
+        return "\\" + character
+    if character.isprintable():
+        return character
+    return character.encode("unicode_escape").decode("ascii")
 
 
 def shown(value: Value, type_: Type) -> str:
@@ -62,7 +94,7 @@ def shown(value: Value, type_: Type) -> str:
         case bool() | int() | float():
             return str(value)
         case str():
-            return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+            return '"' + "".join(map(_escaped, value)) + '"'
         case tuple():
             return "[" + ", ".join(str(item) for item in value) + "]"
         case _:

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from cdlc.backends.pddl.conditions import Lowering, NotPddl, SExpr, atom, condition, typed
 from cdlc.backends.pddl.names import Names
 from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.names import fresh_name
 from cdlc.ir.pool import Pool, in_order
 from cdlc.ir.symbolic import Executor, Update
 from crow.program import BOOL, And, Expression, Parameter, Program, Read, Type, Variable
+from crow.program.names import fresh_name
 
 
 @dataclass(frozen=True, slots=True)

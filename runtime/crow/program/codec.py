@@ -74,7 +74,7 @@ def decode_problem(document: object) -> ProblemStatement | None:
 def _check_version(document: object) -> dict[str, Any]:
     if not isinstance(document, dict) or "version" not in document:
         raise ProgramFormatError("not a compiled program: no `version` at the top")
-    if document["version"] != VERSION:
+    if type(document["version"]) is not int or document["version"] != VERSION:
         raise ProgramFormatError(
             f"compiled for version {document['version']!r} of the format; this is version {VERSION}"
         )
@@ -138,14 +138,14 @@ def _decoder(annotation: Any) -> Decoder:
 def _union_decoder(arguments: tuple[Any, ...]) -> Decoder:
     nodes = tuple(a for a in arguments if a in NODES.values())
     scalars = tuple(a for a in arguments if a in (bool, int, float, str))
-    compound = tuple(a for a in arguments if get_origin(a) is tuple or a is Location)
+    lists = tuple(a for a in arguments if get_origin(a) is tuple or a is Location)
     optional = types.NoneType in arguments
 
     def decode(value: Any, path: str) -> Any:
         if value is None and optional:
             return None
-        if isinstance(value, list) and compound:
-            return _decoder(compound[0])(value, path)
+        if lists and (isinstance(value, list) or not (nodes or scalars)):
+            return _decoder(lists[0])(value, path)
         if nodes:
             return _node_decoder(nodes)(value, path)
         return _scalar_decoder(scalars)(value, path)
@@ -218,10 +218,14 @@ def _is_required(field: Field[Any]) -> bool:
 
 def _decode_location(value: Any, path: str) -> Location:
     match value:
-        case [str(), int(), int(), int(), int()]:
-            return Location(*value)
+        case [str(file), *numbers] if len(numbers) == 4 and all(map(_is_number, numbers)):
+            return Location(file, *numbers)
         case _:
             raise ProgramFormatError(f"{path}: expected [file, 4 numbers], found {value!r:.40}")
+
+
+def _is_number(value: object) -> bool:
+    return type(value) is int and value >= 1
 
 
 def _names(allowed: tuple[type, ...]) -> str:

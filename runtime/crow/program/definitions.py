@@ -81,6 +81,12 @@ class Behavior(DefinitionNode):
     right: tuple[Statement, ...]
     effect: tuple[Statement, ...] | None
 
+    @property
+    def body(self) -> tuple[Statement, ...]:
+        """The statements of L, M and R, in this order."""
+        members = () if self.promotable is None else self.promotable.members
+        return (*self.left, *members, *self.right)
+
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Generator(DefinitionNode):

@@ -5,7 +5,7 @@ from dataclasses import fields
 from functools import cache
 from typing import Any
 
-from crow.program.expressions import Expression
+from crow.program.expressions import Expression, Quantified, Variable
 from crow.program.location import Node
 from crow.program.statements import Statement
 
@@ -35,6 +35,18 @@ def subexpressions(expression: Expression) -> Iterator[Expression]:
         if isinstance(node, Expression):
             yield node
         pending.extend(reversed(tuple(children(node))))
+
+
+def free_variables(expression: Expression) -> frozenset[str]:
+    """The names of the variables that no quantifier of the expression itself binds."""
+    match expression:
+        case Variable(name=name):
+            return frozenset((name,))
+        case Quantified(variables=variables, body=body):
+            return free_variables(body) - {variable.name for variable in variables}
+        case _:
+            parts = (c for c in children(expression) if isinstance(c, Expression))
+            return frozenset[str]().union(*map(free_variables, parts))
 
 
 def statements_within(statements: Iterable[Statement]) -> Iterator[Statement]:

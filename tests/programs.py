@@ -1,0 +1,97 @@
+"""CDL texts to programs and problems, as the driver makes them but without files."""
+
+from functools import cache
+from textwrap import dedent
+
+from cdlc.diagnostics import Collector
+from cdlc.frontend import syntax
+from cdlc.frontend.check import (
+    CheckedDomain,
+    CheckedProblem,
+    check_domain,
+    check_open_condition,
+    check_open_value,
+    check_problem,
+)
+from cdlc.frontend.parser import parse
+from cdlc.frontend.scope import Context
+from cdlc.source import SourceFile
+from crow.problem import Problem, State, World
+from crow.program import Behavior, Expression, ProblemStatement, Program
+
+
+@cache
+def checked_domain(text: str) -> CheckedDomain:
+    """A domain without mistakes."""
+    found = Collector()
+    source = SourceFile("domain.cdl", dedent(text))
+    definitions = parse(source, found).definitions
+    checked = check_domain("domain", [(source, d) for d in definitions], found)
+    assert not found.has_errors, [d.message() for d in found]
+    return checked
+
+
+def program_of(text: str) -> Program:
+    """The program of a domain without mistakes."""
+    return checked_domain(text).program
+
+
+def behavior_of(text: str, name: str = "act") -> tuple[Program, Behavior]:
+    """The program of a domain, and its behavior of that name."""
+    program = program_of(text)
+    return program, next(b for b in program.behaviors if b.name == name)
+
+
+@cache
+def checked_problem(domain: str, problem: str) -> CheckedProblem:
+    """A domain and a problem for it, without mistakes."""
+    found = Collector()
+    domain_source = SourceFile("domain.cdl", dedent(domain))
+    definitions = [(domain_source, d) for d in parse(domain_source, found).definitions]
+    source = SourceFile("problem.cdl", dedent(problem))
+    checked = check_problem(source, parse(source, found), "domain", definitions, found)
+    assert not found.has_errors, [d.message() for d in found]
+    assert checked is not None
+    return checked
+
+
+def statement_of(domain: str, problem: str) -> tuple[Program, ProblemStatement]:
+    """The program and the problem statement of two texts."""
+    checked = checked_problem(domain, problem)
+    return checked.domain.program, checked.problem
+
+
+def problem_of(domain: str, problem: str) -> Problem:
+    """The runtime's problem of two texts."""
+    return Problem.of(*statement_of(domain, problem))
+
+
+def _objects(lines: str) -> str:
+    """The section of `a, b: T; c: U`."""
+    return "objects:\n" + "".join(f"  {o.strip()}\n" for o in lines.split(";")) if lines else ""
+
+
+def start(domain: str, objects: str, init: str = "pass") -> tuple[World, State]:
+    """The world and initial state of a domain with `a, b: T` and the statements of `init`."""
+    lines = "\n".join(f"  {line}" for line in dedent(init).strip().splitlines())
+    problem = problem_of(domain, f'problem "p"\n{_objects(objects)}init:\n{lines}\ngoal: True\n')
+    return problem.world, problem.initial
+
+
+def expression_of(domain: str, text: str, objects: str = "", *, value: bool = False) -> Expression:
+    """The typed form of an expression over a domain with the objects `a, b: T`."""
+    found = Collector()
+    problem = f'problem "p"\n{_objects(objects)}goal: True\n'
+    checked = checked_problem(domain, problem)
+    source = SourceFile("expression.cdl", f"minimize: {text}\n" if value else f"goal: {text}\n")
+    (part,) = parse(source, found).definitions
+    context = Context(source, checked.domain.declarations, found)
+    match part:
+        case syntax.Goal(condition=condition):
+            expression = check_open_condition(condition, context)
+        case syntax.Minimize(expression=written):
+            expression = check_open_value(written, context)
+        case _:
+            raise AssertionError(text)
+    assert not found.has_errors, [d.message() for d in found]
+    return expression
