@@ -9,12 +9,11 @@ from cdlc.frontend.check import (
     CheckedDomain,
     CheckedProblem,
     check_domain,
-    check_open_condition,
-    check_open_value,
     check_problem,
 )
+from cdlc.frontend.check_expressions import check_condition, check_expression
 from cdlc.frontend.parser import parse
-from cdlc.frontend.scope import Context
+from cdlc.frontend.scope import Context, Scope
 from cdlc.source import SourceFile
 from crow.problem import Problem, State, World
 from crow.program import Behavior, Expression, ProblemStatement, Program
@@ -49,7 +48,8 @@ def checked_problem(domain: str, problem: str) -> CheckedProblem:
     domain_source = SourceFile("domain.cdl", dedent(domain))
     definitions = [(domain_source, d) for d in parse(domain_source, found).definitions]
     source = SourceFile("problem.cdl", dedent(problem))
-    checked = check_problem(source, parse(source, found), "domain", definitions, found)
+    file = [(source, d) for d in parse(source, found).definitions]
+    checked = check_problem(file, "domain", definitions, found)
     assert not found.has_errors, [d.message() for d in found]
     assert checked is not None
     return checked
@@ -88,9 +88,9 @@ def expression_of(domain: str, text: str, objects: str = "", *, value: bool = Fa
     context = Context(source, checked.domain.declarations, found)
     match part:
         case syntax.Goal(condition=condition):
-            expression = check_open_condition(condition, context)
+            expression = check_condition(condition, Scope(), context)
         case syntax.Minimize(expression=written):
-            expression = check_open_value(written, context)
+            expression = check_expression(written, Scope(), context)
         case _:
             raise AssertionError(text)
     assert not found.has_errors, [d.message() for d in found]

@@ -12,7 +12,7 @@ from itertools import permutations
 
 from cdlc.ir.behaviors import body_of
 from cdlc.ir.pool import Level, Pool, in_order
-from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables
+from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables, leaving
 from crow.program import (
     Achieve,
     And,
@@ -34,6 +34,7 @@ from crow.program import (
     Parameter,
     Program,
     Read,
+    SetLocal,
     Statement,
     Variable,
 )
@@ -76,6 +77,13 @@ class Model:
         """The triples of a behavior; none for a method, which has no effect of its own."""
         if behavior.effect is None:
             return ()
+        try:
+            return self._triples(behavior)
+        except RecursionError:
+            construct = "a condition or effect nested this deeply"
+            raise NotModelled(construct, behavior.location) from None
+
+    def _triples(self, behavior: Behavior) -> tuple[Triple, ...]:
         runs = [_Run(self, behavior)]
         for statement in body_of(behavior):
             runs = [after for run in runs for after in run.statement(statement)]
@@ -91,7 +99,11 @@ class Model:
         for part in in_order(expression):
             if isinstance(part, Variable):
                 names.setdefault(part.name, self.pool.variable(part.name, part.type))
-        return executor.value(expression, Layer(), names)
+        try:
+            return executor.value(expression, Layer(), names)
+        except RecursionError:
+            construct = "an expression nested this deeply"
+            raise NotModelled(construct, expression.location) from None
 
     def weakest_precondition(self, condition: Expression, triple: Triple) -> Expression:
         """What must hold before a transition for a pooled condition to hold after it.
@@ -145,7 +157,7 @@ class _Run:
             self.parameters,
             behavior.goal,
             self.calls,
-            _conjuncts(pool.conjunction(self.pre)) if self.pre else (),
+            _conjuncts(pool.conjunction(self.pre), pool),
             tuple(updates),
             tuple(self.executor.conflicts),
             behavior.location,
@@ -161,9 +173,14 @@ class _Run:
                     yield from self.copy().statement(chosen)
             case Group(order="unordered", body=body) if self._order_matters(body):
                 for ordered in permutations(body):
-                    yield from self.copy().block(ordered)
+                    yield from self.copy().statement(
+                        replace(node, order="sequential", body=ordered)
+                    )
             case Group(body=body):
-                yield from self.block(body)
+                outer = self.variables
+                for run in self.block(body):
+                    run.variables = leaving(body, outer, run.variables)
+                    yield run
             case Call():
                 yield from self._call(node)
             case _:
@@ -197,6 +214,8 @@ class _Run:
                 now = self._now(value, self.variables)
                 self.has_state_let |= any(isinstance(part, Read) for part in in_order(now))
                 self.variables = {**self.variables, variable.name: now}
+            case SetLocal(variable=name, value=value):
+                self._plain(Let(Parameter(name, value.type), value, location=node.location))
             case If() | ForEach() | ForRange():
                 conditions = list(self._conditions((node,), self.variables))
                 self.pre = (*self.pre, *conditions)
@@ -292,7 +311,9 @@ class _Run:
             yield run
 
 
-def _conjuncts(condition: Expression) -> tuple[Expression, ...]:
+def _conjuncts(condition: Expression, pool: Pool) -> tuple[Expression, ...]:
+    if condition is pool.true:
+        return ()
     return condition.operands if isinstance(condition, And) else (condition,)
 
 

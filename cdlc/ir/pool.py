@@ -239,6 +239,8 @@ class Pool:
         if left.type == BOOL and right.type == BOOL and self.level is not Level.NONE:
             differ = self.exclusive(left, right)
             return differ if operator == "!=" else self.negation(differ)
+        if self.level is not Level.NONE and (split := self._split(operator, left, right)):
+            return split
         if self.level is not Level.NONE:
             operator, left, right = self._normal_comparison(operator, left, right)
             decided = self._decided(operator, left, right)
@@ -248,6 +250,18 @@ class Pool:
                 return self.negation(self.equal(left, right))
         key = ("compare", operator, id(left), id(right))
         return self._intern(key, lambda: Compare(operator, left, right))
+
+    def _split(
+        self, operator: ComparisonOperator, left: Expression, right: Expression
+    ) -> Expression | None:
+        """A comparison with a choice, where one branch decides it: a choice of two conditions."""
+        for one, other, order in ((left, right, 1), (right, left, -1)):
+            if isinstance(one, Conditional):
+                cases = [(case, other)[::order] for case in (one.then, one.otherwise)]
+                if any(self._decided(operator, *case) is not None for case in cases):
+                    then, otherwise = (self.compare(operator, *case) for case in cases)
+                    return self.choice(one.condition, then, otherwise)
+        return None
 
     def _decided(
         self, operator: ComparisonOperator, left: Expression, right: Expression

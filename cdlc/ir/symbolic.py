@@ -16,6 +16,7 @@ from crow.program import (
     Apply,
     Arithmetic,
     Assign,
+    Bind,
     Break,
     Builtin,
     Compare,
@@ -142,6 +143,7 @@ class Executor:
         self.functions: dict[str, Function] = {f.name: f for f in program.functions}
         self.conflicts: list[Conflict] = []
         self._numbers = 0
+        self._returns: dict[tuple[str, tuple[int, ...], Layer], Expression] = {}
 
     # ------------------------------------------------------------------------------- expressions
 
@@ -271,10 +273,13 @@ class Executor:
                     f"`{function.name}`, which reads the state, after a write", node.location
                 )
             return self.pool.apply(node.function, arguments, node.type, node.location)
-        names = [p.name for p in function.parameters]
-        path = _Path(layer, dict(zip(names, arguments, strict=True)))
-        outcome = self._block(function.body, path)
-        return self._returned(outcome)
+        # Functions that call each other twice would else take time exponential in their number.
+        key = (node.function, tuple(map(id, arguments)), layer)
+        if key not in self._returns:
+            names = [p.name for p in function.parameters]
+            path = _Path(layer, dict(zip(names, arguments, strict=True)))
+            self._returns[key] = self._returned(self._block(function.body, path))
+        return self._returns[key]
 
     def _returned(self, outcome: _Outcome) -> Expression:
         *earlier, last = outcome.exits
@@ -304,6 +309,16 @@ class Executor:
                 return _Outcome(tuple(exits), None)
             path = outcome.normal
         return _Outcome(tuple(exits), path)
+
+    def _nested(self, statements: tuple[Statement, ...], path: _Path) -> _Outcome:
+        """A block inside a statement: what it introduces is gone after it."""
+
+        def left(inner: _Path) -> _Path:
+            return replace(inner, variables=leaving(statements, path.variables, inner.variables))
+
+        outcome = self._block(statements, path)
+        exits = tuple(replace(e, path=left(e.path)) for e in outcome.exits)
+        return _Outcome(exits, None if outcome.normal is None else left(outcome.normal))
 
     def _statement(self, node: Statement, path: _Path) -> _Outcome:
         match node:
@@ -350,11 +365,11 @@ class Executor:
     def _if(self, node: If, path: _Path) -> _Outcome:
         condition = self.value(node.condition, path.layer, path.variables)
         if condition is self.pool.true:
-            return self._block(node.then, path)
+            return self._nested(node.then, path)
         if condition is self.pool.false:
-            return self._block(node.otherwise, path)
-        then = self._block(node.then, path)
-        otherwise = self._block(node.otherwise, path)
+            return self._nested(node.otherwise, path)
+        then = self._nested(node.then, path)
+        otherwise = self._nested(node.otherwise, path)
         opposite = self.pool.negation(condition)
         exits = [self._under(condition, exit_) for exit_ in then.exits]
         exits += [self._under(opposite, exit_) for exit_ in otherwise.exits]
@@ -442,19 +457,20 @@ class Executor:
         breaks: list[_Exit] = []
         returns: list[_Exit] = []
         current: _Path | None = path
-        outer = set(path.variables)
+        outer = path.variables
         for number in range(node.start, node.stop, node.step):
             if current is None:
                 break
             counted = self.pool.constant(number, INT64)
             inside = {**current.variables, node.variable.name: counted}
-            outcome = self._block(node.body, _Path(current.layer, inside))
-            current, leaving = self._end_iteration(outcome)
-            breaks += [e for e in leaving if e.signal == "break"]
-            returns += [e for e in leaving if e.signal == "return"]
+            outcome = self._nested(node.body, _Path(current.layer, inside))
+            current, exits = self._end_iteration(outcome)
+            breaks += [e for e in exits if e.signal == "break"]
+            returns += [e for e in exits if e.signal == "return"]
         ended = self._after(breaks, returns, current)
         if ended is not None:
-            kept = {n: v for n, v in ended.variables.items() if n in outer}
+            counter = node.variable.name
+            kept = {n: outer[n] if n == counter else ended.variables[n] for n in outer}
             ended = replace(ended, variables=kept)
         return _Outcome(tuple(returns), ended)
 
@@ -571,6 +587,13 @@ class Executor:
         """Whether meeting in a cell makes all loop variables the same."""
         same = {id(m) for m in met}
         return bool(differ) and all(id(self.pool.negation(d)) in same for d in differ)
+
+
+def leaving(statements: tuple[Statement, ...], outer: Variables, inner: Variables) -> Variables:
+    """The variables after a block: those from before it, as set in it but not as hidden by it."""
+    hidden = {s.variable.name for s in statements if isinstance(s, Let)}
+    hidden |= {v.name for s in statements if isinstance(s, Bind) for v in s.variables}
+    return {name: outer[name] if name in hidden else inner[name] for name in outer}
 
 
 def _reads_state(function: Function) -> bool:

@@ -45,6 +45,8 @@ def establishes_goal(model: Model, triple: Triple) -> bool | None:
     if triple.goal is None:
         return True
     pool = model.pool
+    if any(part is pool.false for part in triple.pre):
+        return True  # it can never be applied
     goal = model.formula(triple.goal, triple.parameters)
     before = pool.given(model.weakest_precondition(goal, triple), triple.pre)
     if before is pool.true:
