@@ -61,7 +61,7 @@ def _pairs(inner: st.SearchStrategy[Expression]) -> st.SearchStrategy[tuple[Expr
 
 
 FORMULA: st.SearchStrategy[Expression] = st.recursive(
-    st.sampled_from([*ATOMS, Constant(True, BOOL), Constant(False, BOOL)]),
+    st.sampled_from([*ATOMS, Constant(True, BOOL), Constant(False, BOOL)]),  # noqa: FBT003 - values
     lambda inner: st.one_of(
         st.builds(Not, inner),
         st.builds(And, _pairs(inner)),

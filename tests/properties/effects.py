@@ -63,7 +63,7 @@ FUNCTIONS = (
         (
             If(
                 Read("red", (Variable("a", THING),), BOOL),
-                (Return(Constant(True, BOOL)),),
+                (Return(Constant(True, BOOL)),),  # noqa: FBT003 - a value
                 (),
             ),
             Return(Compare(">", Read("count", (Variable("a", THING),), INT64), Constant(1, INT64))),
