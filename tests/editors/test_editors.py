@@ -18,7 +18,7 @@ from cdlc.frontend import grammar
 
 TEXTS = sorted(
     path
-    for folder in ("examples", "tests", "docs")
+    for folder in ("examples", "docs", "tests/golden/fmt", "tests/listings")
     for path in (ROOT / folder).rglob("*")
     if path.suffix in (".cdl", ".fmt") and b"\r" not in path.read_bytes()
 )
