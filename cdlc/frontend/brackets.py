@@ -37,8 +37,6 @@ _DEFINITIONS = frozenset(
     )
 )
 _TITLES = frozenset(("DOMAIN", "PROBLEM", "INCLUDE"))
-# What may follow the first word of a definition; in an expression a name never does.
-_AFTER_DEFINITION = frozenset(("NAME", "LSQB"))
 
 
 @dataclass(slots=True)
@@ -81,7 +79,19 @@ def _ends_brackets(tokens: list[Token], index: int) -> bool:
         return following.type == "COLON" and _ends_its_line(tokens, index + 2)
     if kind in _TITLES:
         return following.type == "STRING"
-    return kind in _DEFINITIONS and following.type in _AFTER_DEFINITION
+    return kind in _DEFINITIONS and _is_before_name(tokens, index + 1)
+
+
+def _is_before_name(tokens: list[Token], index: int) -> bool:
+    """Whether a name follows, perhaps after annotations; in an expression none follows a name."""
+    depth = 0
+    while index < len(tokens):
+        kind = tokens[index].type
+        depth += (kind == "LSQB") - (kind == "RSQB")
+        if depth == 0 and kind != "RSQB":
+            return kind == "NAME"
+        index += 1
+    return False
 
 
 def _ends_its_line(tokens: list[Token], index: int) -> bool:

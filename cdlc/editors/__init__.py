@@ -1,0 +1,1 @@
+"""CDL in editors and on pages: what colours it. Nothing else in the package imports this."""
