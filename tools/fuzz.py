@@ -126,13 +126,27 @@ _CHANGES: list[Callable[[str, random.Random], str]] = [
 
 @cache
 def rules() -> dict[str, list[list[str]]]:
-    """What each symbol of the grammar can be, the shortest first."""
+    """What each symbol of the grammar can be, first what ends soonest."""
     found: dict[str, list[list[str]]] = {}
     for rule in grammar.parser().rules:
         expansion = [symbol.name for symbol in rule.expansion]
-        if "ERROR" not in expansion and "error" not in expansion:
+        if not {"ERROR", "error", "_error_line"} & set(expansion):
             found.setdefault(rule.origin.name, []).append(expansion)
-    return {name: sorted(each, key=len) for name, each in found.items()}
+    sizes = _sizes(found)
+
+    def size(expansion: list[str]) -> float:
+        return sum(sizes.get(symbol, 1) for symbol in expansion)
+
+    return {name: sorted(each, key=size) for name, each in found.items()}
+
+
+def _sizes(found: dict[str, list[list[str]]]) -> dict[str, float]:
+    """How many tokens each symbol has at least."""
+    sizes = dict.fromkeys(found, float("inf"))
+    for _ in found:
+        for name, options in found.items():
+            sizes[name] = min(sum(sizes.get(s, 1) for s in option) for option in options)
+    return sizes
 
 
 @cache
@@ -171,8 +185,6 @@ def _derived(start: str, rng: random.Random) -> str:
             if pieces and pieces[-1] == "\n":
                 pieces.append(" " * indentation)
             pieces.append(f"{_spelled(symbol, rng)} ")
-        if budget < -400:
-            break
     return "".join(pieces) + "\n"
 
 
