@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from cdlc.diagnostics import Diagnostic
+import cdlc.ir.errors
+from cdlc.diagnostics import Diagnostic, Lint
 from cdlc.driver import CompileError, compilation
 from cdlc.render import as_text
 from cdlc.source import SourceFile
@@ -17,6 +18,12 @@ class Checked:
 
     diagnostics: tuple[Diagnostic, ...]
     sources: Mapping[str, SourceFile]
+
+    @property
+    def without_lints(self) -> "Checked":
+        """Without warnings about what a whole program means, which small examples all get."""
+        kept = tuple(d for d in self.diagnostics if not _is_lint(d))
+        return Checked(kept, self.sources)
 
     @property
     def codes(self) -> list[str]:
@@ -33,14 +40,23 @@ class Checked:
 
 
 def check_text(text: str | bytes) -> Checked:
-    """Check a file that is given as standard input."""
+    """Check a file that is given as standard input; lints are left out."""
     data = text.encode() if isinstance(text, str) else text
-    return _check("-", data)
+    return _check("-", data).without_lints
 
 
 def check_file(path: Path | str) -> Checked:
-    """Check a file by name."""
+    """Check a file by name; lints are left out."""
+    return lint_file(path).without_lints
+
+
+def lint_file(path: Path | str) -> Checked:
+    """Check a file by name, with all warnings."""
     return _check(os.fspath(path), b"")
+
+
+def _is_lint(diagnostic: Diagnostic) -> bool:
+    return isinstance(diagnostic, Lint) and type(diagnostic).__module__ == cdlc.ir.errors.__name__
 
 
 def _check(name: str, data: bytes) -> Checked:

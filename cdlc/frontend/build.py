@@ -31,8 +31,9 @@ def string_value(token: Token) -> str:
         return str(token)[1:-1]
 
 
-def _integer(token: Token) -> int:
-    # More digits than any width holds; int() is quadratic and Python refuses over 4,300.
+def integer_value(token: str) -> int:
+    """The value of a whole number; one with more digits than any width holds is 10**40."""
+    # int() is quadratic and Python refuses over 4,300.
     return int(token) if len(token) <= 40 else 10**40
 
 
@@ -56,7 +57,7 @@ class Builder(Transformer[Token, Any]):
     def vector_type(
         self, name: syntax.Name, element: syntax.Type, n: Token | None = None
     ) -> syntax.Type:
-        length = None if n is None else _integer(n)
+        length = None if n is None else integer_value(n)
         return syntax.VectorType(name, element, length, span=_span(name, n or element))
 
     def list_of_named(self, name: syntax.Name) -> syntax.Type:
@@ -90,7 +91,7 @@ class Builder(Transformer[Token, Any]):
     # expressions
 
     def integer(self, token: Token) -> syntax.Expression:
-        return syntax.Literal(_integer(token), span=token_span(token))
+        return syntax.Literal(integer_value(token), span=token_span(token))
 
     def float(self, token: Token) -> syntax.Expression:
         return syntax.Literal(float(token), span=token_span(token))
@@ -104,8 +105,8 @@ class Builder(Transformer[Token, Any]):
     def false(self, token: Token) -> syntax.Expression:
         return syntax.Literal(False, span=token_span(token))  # noqa: FBT003 - a value
 
-    def negative_integer(self, minus: Token, token: Token) -> syntax.Expression:
-        return syntax.Literal(-_integer(token), span=_span(minus, token))
+    def negativeinteger_value(self, minus: Token, token: Token) -> syntax.Expression:
+        return syntax.Literal(-integer_value(token), span=_span(minus, token))
 
     def negative_float(self, minus: Token, token: Token) -> syntax.Expression:
         return syntax.Literal(-float(token), span=_span(minus, token))

@@ -6,13 +6,13 @@ understood is still checked.
 """
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from lark import Token, UnexpectedToken
 
 from cdlc.diagnostics import Collector
-from cdlc.frontend import errors, grammar, syntax
+from cdlc.frontend import errors, facts, grammar, syntax
 from cdlc.frontend.build import string_value, token_span
 from cdlc.frontend.depth import MAX_DEPTH, too_deep
 from cdlc.frontend.layout import Line, flatten, names_of, read_lines
@@ -42,8 +42,8 @@ def parse(source: SourceFile, found: Collector) -> syntax.Module:
     if not _is_readable(source, found):
         found.forgive_names()
         return syntax.Module((), span=whole)
-    tokens = grammar.parser().lex(source.text)
-    reader = _Reader(source, found, read_lines(source, tokens, found))
+    lexed = facts.lex(source.text)
+    reader = _Reader(source, found, read_lines(source, lexed.tokens, found), lexed.read)
     definitions = tuple(reader.definitions())
     _warn_of_pragmas(source, found)
     return syntax.Module(definitions, span=whole)
@@ -73,7 +73,8 @@ def _join_continuations(lines: Iterable[Line]) -> list[list[Line]]:
     """Group each line with the `elif` and `else` lines that continue it."""
     groups: list[list[Line]] = []
     for line in lines:
-        if groups and line.tokens[0].type in _CONTINUATIONS:
+        continues = line.tokens[0].type in _CONTINUATIONS
+        if groups and continues and groups[-1][0].tokens[0].type != facts.FACTS:
             groups[-1].append(line)
         else:
             groups.append([line])
@@ -99,10 +100,17 @@ def _accepted(start: str, stream: list[tuple[Token, Line]]) -> frozenset[str]:
 class _Reader:
     """Reads the definitions of a file from its lines, mending what can be mended."""
 
-    def __init__(self, source: SourceFile, found: Collector, lines: list[Line]) -> None:
+    def __init__(
+        self,
+        source: SourceFile,
+        found: Collector,
+        lines: list[Line],
+        read: Mapping[int, list[facts.Node]],
+    ) -> None:
         self.source = source
         self.found = found
         self.pending = deque(_join_continuations(lines))
+        self.read = read
         self.is_in_block = False
 
     def definitions(self) -> Iterable[syntax.Definition]:
@@ -129,15 +137,25 @@ class _Reader:
         return definition
 
     def _objects(self, head: Line) -> syntax.Definition:
-        lines = [self._parse(part, "objects_line") for part in self._parts(head)]
+        lines: list[Tree] = []
+        for part in self._parts(head):
+            lines.extend(self._facts(part) or [self._parse(part, "objects_line")])
         return syntax.Objects(tuple(lines), span=token_span(head.tokens[0]))
 
     def _init(self, head: Line) -> syntax.Definition:
-        statements: list[syntax.Statement] = []
+        statements: list[Tree] = []
         for part in self._parts(head):
+            if read := self._facts(part):
+                statements.extend(read)
+                continue
             tree = self._parse(part, "statement")
             statements.extend(tree if isinstance(tree, tuple) else (tree,))
         return syntax.Init(tuple(statements), span=token_span(head.tokens[0]))
+
+    def _facts(self, lines: list[Line]) -> Sequence[Tree]:
+        """What was read of lines already, with the tokens."""
+        first = lines[0].tokens[0]
+        return self.read[first.start_pos or 0] if first.type == facts.FACTS else ()
 
     def _parts(self, head: Line) -> Iterable[list[Line]]:
         """The lines of a block; those that a repair lifts out of a line follow it."""

@@ -47,8 +47,16 @@ def unmatched_achieves(subject: Subject, found: Collector) -> None:
 class _Matcher:
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
+<<<<<<< HEAD
         self.model = Model(subject.program)
         self.goals = [b.goal for b in subject.program.behaviors if b.goal is not None]
+=======
+        self.goals: dict[str, list[Expression]] = {}
+        for behavior in subject.program.behaviors:
+            if behavior.goal is not None:
+                for name in _names_of(behavior.goal):
+                    self.goals.setdefault(name, []).append(behavior.goal)
+>>>>>>> parsing
         writes = [s for s in statements_of(subject.program) if isinstance(s, Assign)]
         self.writes = {write.feature: write.location for write in reversed(writes)}
 
@@ -88,7 +96,8 @@ class _Matcher:
 
     def _is_matched(self, literal: Expression) -> bool:
         hierarchy = self.subject.hierarchy
-        if any(may_match(goal, literal, hierarchy) for goal in self.goals):
+        goals = (goal for name in _names_of(literal) for goal in self.goals.get(name, ()))
+        if any(may_match(goal, literal, hierarchy) for goal in goals):
             return True
         try:
             unfolded = self.model.formula(literal)
@@ -115,6 +124,19 @@ class _Matcher:
         found.add(
             UnmatchedAchieve(location=location, condition=expression_text(part), effect=effect)
         )
+
+
+def _names_of(condition: Expression) -> tuple[str, ...]:
+    """The features and functions of a literal or comparison; goals are looked up by them."""
+    match condition:
+        case Not(operand=operand):
+            return _names_of(operand)
+        case Compare(left=left, right=right):
+            return (*_names_of(left), *_names_of(right))
+        case Read(feature=name) | Apply(function=name):
+            return (name,)
+        case _:
+            return ()
 
 
 def _of(node: Expression) -> Location | None:
