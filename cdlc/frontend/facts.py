@@ -32,7 +32,46 @@ _WORD = re.compile(_NAME)
 
 # Names they cannot be; a test compares with the grammar.
 NOT_NAMES = frozenset(
-    ["and", "or", "not", "if", "elif", "else", "for", "foreach", "forall", "exists", "let", "assert", "achieve", "achieve_once", "do", "bind", "commit", "return", "pass", "break", "continue", "True", "False", "symbol", "assert_hold", "assert_once", "achieve_hold", "pachieve", "untrack", "preamble", "critical", "mem_query", "findall", "findone", "batched", "heuristic", "undirected_generator", "import"]
+    [
+        "and",
+        "or",
+        "not",
+        "if",
+        "elif",
+        "else",
+        "for",
+        "foreach",
+        "forall",
+        "exists",
+        "let",
+        "assert",
+        "achieve",
+        "achieve_once",
+        "do",
+        "bind",
+        "commit",
+        "return",
+        "pass",
+        "break",
+        "continue",
+        "True",
+        "False",
+        "symbol",
+        "assert_hold",
+        "assert_once",
+        "achieve_hold",
+        "pachieve",
+        "untrack",
+        "preamble",
+        "critical",
+        "mem_query",
+        "findall",
+        "findone",
+        "batched",
+        "heuristic",
+        "undirected_generator",
+        "import",
+    ]
 )
 
 Node = syntax.Statement | syntax.ObjectsLine

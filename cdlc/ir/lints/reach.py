@@ -8,6 +8,7 @@ from cdlc.ir.errors import UnmatchedAchieve, UnreachableBehavior
 from cdlc.ir.hoare import Model
 from cdlc.ir.lints.subject import Subject
 from cdlc.ir.matching import may_match
+from cdlc.ir.pool import Level
 from cdlc.ir.symbolic import NotModelled
 from crow.program import (
     Achieve,
@@ -47,16 +48,12 @@ def unmatched_achieves(subject: Subject, found: Collector) -> None:
 class _Matcher:
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
-<<<<<<< HEAD
-        self.model = Model(subject.program)
-        self.goals = [b.goal for b in subject.program.behaviors if b.goal is not None]
-=======
+        self.model = Model(subject.program, Level.NONE)
         self.goals: dict[str, list[Expression]] = {}
         for behavior in subject.program.behaviors:
             if behavior.goal is not None:
                 for name in _names_of(behavior.goal):
                     self.goals.setdefault(name, []).append(behavior.goal)
->>>>>>> parsing
         writes = [s for s in statements_of(subject.program) if isinstance(s, Assign)]
         self.writes = {write.feature: write.location for write in reversed(writes)}
 
