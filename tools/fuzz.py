@@ -162,7 +162,9 @@ _NAMES = ["T", "f", "g", "x", "y", "c", "r", "block", "on", "range", "int64", "v
 def generated(rng: random.Random) -> bytes:
     """A text that follows the rules of the grammar, with names that may mean something."""
     definitions = [_derived("definition", rng) for _ in range(rng.randint(1, 6))]
-    head = rng.choice(("", "", "typedef T\nfeature f(x: T)\nfeature g(x: T) -> int64\n", corpus()[0]))
+    head = rng.choice(
+        ("", "", "typedef T\nfeature f(x: T)\nfeature g(x: T) -> int64\n", corpus()[0])
+    )
     return (head + "".join(definitions)).encode()
 
 
@@ -235,8 +237,8 @@ def _check(data: bytes) -> None:
 def _check_places(diagnostic: Diagnostic, done: Compilation, data: bytes) -> None:
     assert diagnostic.message(), diagnostic
     replacements = [h.replacement for h in diagnostic.help() if h.replacement is not None]
-    labels = [*diagnostic.labels(), *replacements]
-    for place in (diagnostic.location, *(label.location for label in labels)):
+    places = [diagnostic.location, *(label.location for label in diagnostic.labels())]
+    for place in (*places, *(replacement.location for replacement in replacements)):
         start, end = (place.line, place.column), (place.end_line, place.end_column)
         assert (1, 1) <= start <= end, diagnostic
         source = done.sources.get(place.file)
@@ -251,7 +253,7 @@ def _check_places(diagnostic: Diagnostic, done: Compilation, data: bytes) -> Non
 
 
 def _inputs(seed: int) -> Iterator[bytes]:
-    rng = random.Random(seed)
+    rng = random.Random(seed)  # noqa: S311 - repeatable, not secret
     while True:
         yield generated(rng) if rng.random() < 0.3 else mutated(rng)
 
