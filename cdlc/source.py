@@ -39,9 +39,14 @@ class SourceFile:
 
     def location(self, span: Span) -> Location:
         """A span in lines and columns."""
-        line, column = self.position(span.start)
-        end_line, end_column = self.position(max(span))
-        return Location(self.name, line, column, end_line, end_column)
+        start, end = span
+        starts = self.line_starts
+        line = bisect_right(starts, start)
+        offset = starts[line - 1] - 1
+        if line == len(starts) or end < starts[line]:  # nearly all stand on one line
+            return Location(self.name, line, start - offset, line, max(start, end) - offset)
+        end_line, end_column = self.position(end)
+        return Location(self.name, line, start - offset, end_line, end_column)
 
     def line(self, number: int) -> str:
         """The text of a line, counted from 1, without its end; empty past the last."""

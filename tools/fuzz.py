@@ -237,8 +237,8 @@ def _check(data: bytes) -> None:
 def _check_places(diagnostic: Diagnostic, done: Compilation, data: bytes) -> None:
     assert diagnostic.message(), diagnostic
     replacements = [h.replacement for h in diagnostic.help() if h.replacement is not None]
-    labels = [*diagnostic.labels(), *replacements]
-    for place in (diagnostic.location, *(label.location for label in labels)):
+    places = [diagnostic.location, *(label.location for label in diagnostic.labels())]
+    for place in (*places, *(replacement.location for replacement in replacements)):
         start, end = (place.line, place.column), (place.end_line, place.end_column)
         assert (1, 1) <= start <= end, diagnostic
         source = done.sources.get(place.file)

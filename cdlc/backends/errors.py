@@ -9,8 +9,10 @@ from cdlc.diagnostics import Diagnostic
 class NoInitialValue(Diagnostic):
     """An `init` that cannot be computed: an unset value is read, or a number does not fit.
 
-    init:
-      size[A] = size[B] / count
+        init:
+          size[A] = size[B] / count
+
+    Numbers are 0 and truth values False until they are set; all other values have to be set first.
     """
 
     reason: str

@@ -112,7 +112,6 @@ def check_expression(
 
 
 def _check(node: syntax.Expression, scope: Scope, context: Context, expected: Type) -> Expression:
-    location = context.location(node.span)
     match node:
         case syntax.Literal(value=value):
             return _literal(node, value, context)
@@ -120,6 +119,17 @@ def _check(node: syntax.Expression, scope: Scope, context: Context, expected: Ty
             return _name(node, name, scope, context)
         case syntax.Call():
             return check_call(node, scope, context)
+        case _:
+            return _check_operation(node, scope, context, expected)
+
+
+def _check_operation(
+    node: syntax.Expression, scope: Scope, context: Context, expected: Type
+) -> Expression:
+    location = context.location(node.span)
+    match node:
+        case syntax.Literal() | syntax.NameExpression() | syntax.Call():
+            raise AssertionError(node)
         case syntax.Ellipsis_():
             context.found.add(errors.Elision(location=location))
             return _error(node, context)

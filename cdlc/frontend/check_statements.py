@@ -8,6 +8,7 @@ from cdlc.frontend.annotations import check_annotations
 from cdlc.frontend.check_assignments import check_assignment
 from cdlc.frontend.check_binds import check_bind, check_let
 from cdlc.frontend.check_expressions import check_arguments, check_condition, check_value
+from cdlc.frontend.check_facts import check_fact
 from cdlc.frontend.check_types import check_not_hiding, check_variables, introduce
 from cdlc.frontend.ranges import check_range, copies
 from cdlc.frontend.scope import Context, Loop, Scope
@@ -43,7 +44,11 @@ def check_sequence(
 ) -> tuple[tuple[Statement, ...], Scope]:
     """As check_block, with the scope after the last statement."""
     checked: list[Statement] = []
+    has_facts = section.kind == "init" and not scope.locals
     for statement in statements:
+        if has_facts and (fact := check_fact(statement, context)) is not None:
+            checked.append(fact)
+            continue
         typed, scope = _check_statement(statement, scope, section, context)
         if typed is None:
             continue

@@ -27,51 +27,18 @@ _FACT = re.compile(
 _OBJECTS = re.compile(rf"([ ]+)({_NAMES}) *: *({_NAME}){_END}")
 _BLANK = re.compile(r"[ \t]*(?:#[^\n]*)?\r?\n")
 _LINE = re.compile(r"( *)([^\n]*)(?:\n|\Z)")
+_LEADING = re.compile(r"[ \t\f]*")
 _HEADER = re.compile(r"^(init|objects)[ ]*:[ ]*(?:#[^\n]*)?\r?\n", re.MULTILINE)
 _WORD = re.compile(_NAME)
 
 # Names they cannot be; a test compares with the grammar.
 NOT_NAMES = frozenset(
-    [
-        "and",
-        "or",
-        "not",
-        "if",
-        "elif",
-        "else",
-        "for",
-        "foreach",
-        "forall",
-        "exists",
-        "let",
-        "assert",
-        "achieve",
-        "achieve_once",
-        "do",
-        "bind",
-        "commit",
-        "return",
-        "pass",
-        "break",
-        "continue",
-        "True",
-        "False",
-        "symbol",
-        "assert_hold",
-        "assert_once",
-        "achieve_hold",
-        "pachieve",
-        "untrack",
-        "preamble",
-        "critical",
-        "mem_query",
-        "findall",
-        "findone",
-        "batched",
-        "heuristic",
-        "undirected_generator",
-        "import",
-    ]
+    (  # noqa: SIM905 - a list would fill half a page
+        "and or not if elif else for foreach forall exists let assert achieve achieve_once do bind "
+        "commit return pass break continue True False symbol assert_hold assert_once achieve_hold "
+        "pachieve untrack preamble critical mem_query findall findone batched heuristic "
+        "undirected_generator import"
+    ).split(" ")
 )
 
 Node = syntax.Statement | syntax.ObjectsLine
@@ -141,10 +108,13 @@ class _Section:
         """The lines that can be read, as many together as there are."""
         while position < len(self.text):
             nodes: list[Node] = []
-            start = position = self._after_blank_lines(position)
+            start = last = position = self._after_blank_lines(position)
             while (line := self._line(position)) is not None:
                 nodes.append(line[0])
-                position = self._after_blank_lines(line[1])
+                last, position = position, self._after_blank_lines(line[1])
+            if nodes and self._is_deeper(position):
+                nodes.pop()
+                position = last
             if nodes:
                 assert self.indentation is not None
                 yield _Run(start, position, self.indentation, nodes)
@@ -157,6 +127,13 @@ class _Section:
         while (blank := _BLANK.match(self.text, position)) is not None:
             position = blank.end()
         return position
+
+    def _is_deeper(self, position: int) -> bool:
+        """Whether a line would be put under the one before it."""
+        leading = _LEADING.match(self.text, position)
+        assert leading is not None
+        assert self.indentation is not None
+        return len(leading[0].expandtabs(8)) > self.indentation
 
     def _line(self, position: int) -> tuple[Node, int] | None:
         """A line that can be read, and where the next one starts."""

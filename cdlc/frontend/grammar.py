@@ -19,12 +19,13 @@ from cdlc.frontend.build import Builder
 STARTS = ["definition", "statement", "objects_line", "file"]
 
 
-class _KeepTokens:
+class KeepTokens:
     """Tells lark to lex terminals that no rule uses; the stream itself is left alone."""
 
     always_accept = ("LINE_END", "RESERVED", "UNCLOSED", "QUOTED", "FOREIGN", "UNREADABLE")
 
     def process(self, stream: Iterator[lark.Token]) -> Iterator[lark.Token]:
+        """The stream as it is."""
         return stream
 
 
@@ -50,7 +51,7 @@ def build(text: str, *, cache_file: Path | None = None, strict: bool = False) ->
         lexer="basic",
         start=STARTS,
         maybe_placeholders=True,
-        postlex=_KeepTokens(),
+        postlex=KeepTokens(),
         transformer=Builder(),
         strict=strict,
         cache=str(cache_file) if cache_file else False,

@@ -74,7 +74,7 @@ def _join_continuations(lines: Iterable[Line]) -> list[list[Line]]:
     groups: list[list[Line]] = []
     for line in lines:
         continues = line.tokens[0].type in _CONTINUATIONS
-        if groups and continues and groups[-1][0].tokens[0].type != facts.FACTS:
+        if groups and continues and any(t.type == "IF" for t in groups[-1][0].tokens):
             groups[-1].append(line)
         else:
             groups.append([line])

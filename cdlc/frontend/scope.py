@@ -87,6 +87,8 @@ class Declarations:
 
     def fits(self, source: Type, target: Type) -> bool:
         """Whether a value of type `source` may stand where `target` is wanted (language.md §4)."""
+        if source is target:
+            return True
         match source, target:
             case (UnknownType(), _) | (_, UnknownType()):
                 return True

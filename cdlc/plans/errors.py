@@ -78,6 +78,8 @@ class OpenChoice(Diagnostic):
 class BadPlan(Diagnostic):
     """A plan file that cannot be read.
 
+        cdlc validate blocks.cdl sussman.cdl notes.txt
+
     A plan is what `cdlc plan` prints, as text or JSON, or a PDDL plan: `(stack a b)` a line.
     """
 
@@ -89,7 +91,12 @@ class BadPlan(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class OtherCalls(Diagnostic):
-    """A plan whose controller calls are not those that its behaviors make."""
+    """A plan whose controller calls are not those that its behaviors make.
+
+        1. place_table(C)   by r_holding_from_table(C)
+
+    Each step names a controller call and the behavior that runs it. Correct one of the two.
+    """
 
     behavior: str
     expected: str
@@ -101,7 +108,13 @@ class OtherCalls(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class GoalNotReached(Diagnostic):
-    """A plan after whose last step the goal of the problem does not hold."""
+    """A plan after whose last step the goal of the problem does not hold.
+
+        1. pickup_table(A)   by r_holding_from_table(A)
+
+    The label shows the goal, and the message which part of it fails. Complete the plan, or let
+    `cdlc plan` make one.
+    """
 
     goal: str
     goal_location: Location | None

@@ -43,6 +43,8 @@ class NotText(Diagnostic):
 class EmptyFile(Diagnostic):
     """A file without a single definition.
 
+        # only comments
+
     A domain defines at least a feature; a problem file names itself, its domain and a goal.
     """
 

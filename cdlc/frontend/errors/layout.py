@@ -85,7 +85,13 @@ class ExpectedBlock(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class UnclosedBracket(Diagnostic):
-    """A bracket that is never closed; everything after it would belong to it."""
+    """A bracket that is never closed; everything after it would belong to it.
+
+        achieve on(x, y
+        achieve clear(x)
+
+    The line it stands on is left out and reading goes on with the next one. Add the bracket.
+    """
 
     bracket: str
     closing: str
@@ -99,7 +105,12 @@ class UnclosedBracket(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class UnmatchedBracket(Diagnostic):
-    """A closing bracket that fits no open one."""
+    """A closing bracket that fits no open one.
+
+        achieve on(x, y))
+
+    Remove it, or add the bracket it was to close.
+    """
 
     bracket: str
     opened: Location | None
@@ -115,7 +126,11 @@ class UnmatchedBracket(Diagnostic):
 class NestingTooDeep(Diagnostic):
     """Brackets, blocks or expressions nested beyond what a person writes.
 
-    Name parts of it with `let` or a `def`.
+        assert not not not not …
+
+    Brackets may nest 1,000 deep, blocks 100 and expressions 150, where a chain of `+` counts a
+    level for each term and one of `and` or `or` a single level; files include each other and types
+    are based on each other at most 100 deep. Name parts of the expression with `let` or a `def`.
     """
 
     limit: int

@@ -191,6 +191,10 @@ class MissingReturn(Diagnostic):
 class ReturnInForeach(Diagnostic):
     """A `return` in a `foreach`, whose iterations are parallel: which of them would return?
 
+        def covered() -> bool:
+          foreach x: block:
+            return clear(x)
+
     Use `forall`, `exists`, or a quantity computed without a loop.
     """
 

@@ -88,6 +88,9 @@ class UnknownCommand(UnknownName):
 class DuplicateDefinition(Diagnostic):
     """Two definitions, objects or constants with one name.
 
+        feature clear(x: block)
+        controller clear(x: block)
+
     Types have names of their own; all other definitions, objects and constants share one space.
     Rename one of them.
     """
@@ -220,7 +223,12 @@ class BadAnnotation(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class UnknownPragma(Lint):
-    """A `#!pragma` line; none is known, and the line is read as a comment."""
+    """A `#!pragma` line; none is known, and the line is read as a comment.
+
+        #!pragma search=depth
+
+    Remove the line: planners take their settings as options.
+    """
 
     def message(self) -> str:
         return "unknown pragma"

@@ -10,11 +10,13 @@ from crow.program import Location
 class MissingPart(Diagnostic):
     """A problem file without one of its parts: its domain or its goal.
 
-    problem "sussman"
-    domain "blocks.cdl"
-    objects: …
-    init: …
-    goal: on(A, B)
+        problem "sussman"
+        domain "blocks.cdl"
+        objects: …
+        init: …
+        goal: on(A, B)
+
+    `objects:` and `init:` may be left out, and `minimize:` may be added.
     """
 
     part: str

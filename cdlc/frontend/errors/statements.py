@@ -33,6 +33,12 @@ class MisplacedStatement(Diagnostic):
 class MisplacedPromotable(Diagnostic):
     """A second or nested `promotable:`.
 
+        body:
+          promotable:
+            achieve clear(x)
+          promotable:
+            achieve clear(y)
+
     A body is `<L, M, R>`: what stands before the promotable section, the section, what stands after
     it. So there is at most one, at the top level of the body.
     """
@@ -67,7 +73,14 @@ class NotPromotable(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True)
 class DuplicateSection(Diagnostic):
-    """Two sections of one kind in a definition: `goal:`, `body:` and `eff:` stand at most once."""
+    """Two sections of one kind in a definition.
+
+        behavior r(x: block, y: block):
+          goal: clear(x)
+          goal: clear(y)
+
+    `goal:`, `body:` and `eff:` stand at most once. Write two behaviors, or put the parts together.
+    """
 
     section: str
     first: Location

@@ -11,8 +11,10 @@ from crow.program import Location, Type
 class WrongArgumentCount(Diagnostic):
     """A call or read with more or fewer arguments than declared.
 
-    feature on(x: block, y: block)
-    achieve on(x)
+        feature on(x: block, y: block)
+        achieve on(x)
+
+    The label shows the declaration.
     """
 
     name: str
@@ -34,8 +36,10 @@ class WrongArgumentCount(Diagnostic):
 class WrongArgumentType(Diagnostic):
     """An argument whose type is not that of the parameter.
 
-    controller attach(x: Object)
-    do attach(pose)
+        controller attach(x: Object)
+        do attach(pose)
+
+    An object may be of a more special type than the parameter, never of a more general one.
     """
 
     name: str
@@ -158,8 +162,10 @@ class ValueIndex(Diagnostic):
 class TypeCycle(Diagnostic):
     """A `typedef` that is based on itself.
 
-    typedef a: b
-    typedef b: a
+        typedef a: b
+        typedef b: a
+
+    Base one of them on `object`, or on a value type.
     """
 
     chain: Sequence[str]

@@ -199,7 +199,7 @@ CASES: dict[str, tuple[str, list[tuple[int, str]]]] = {
     ),
     "five in five definitions": (
         ("typdef block\nfeature f(x block)\ncontroller c(x: block\nbehavior r(x: block)\n"
-        "  goal: f(x) == = 1\nfeature q(x: blok)\n"),
+         "  goal: f(x) == = 1\nfeature q(x: blok)\n"),
         [(1, "syntax-error"), (2, "syntax-error"), (3, "unclosed-bracket"), (4, "missing-colon"),
          (5, "syntax-error"), (6, "unknown-type")],
     ),
@@ -209,7 +209,7 @@ CASES: dict[str, tuple[str, list[tuple[int, str]]]] = {
     ),
     "three facts": (
         ('problem "p"\ndomain "__empty__"\nobjects:\n  a, b object\n  c: object\ninit:\n'
-        "  f[a = True\n  on(\n  g[a] == True\ngoal:\n  c == c\n"),
+         "  f[a = True\n  on(\n  g[a] == True\ngoal:\n  c == c\n"),
         [(4, "syntax-error"), (7, "unclosed-bracket"), (8, "unclosed-bracket"),
          (9, "syntax-error")],
     ),
@@ -227,7 +227,7 @@ CASES: dict[str, tuple[str, list[tuple[int, str]]]] = {
     ),
     "function whose return cannot be read": (
         ("typedef T\nfeature f(x: T)\ndef h(x: T) -> bool:\n  if f(x):\n    return = 1\n"
-        "  else:\n    return f(x)\n"),
+         "  else:\n    return f(x)\n"),
         [(5, "syntax-error")],
     ),
 }  # fmt: skip
