@@ -105,7 +105,7 @@ class Builder(Transformer[Token, Any]):
     def false(self, token: Token) -> syntax.Expression:
         return syntax.Literal(False, span=token_span(token))  # noqa: FBT003 - a value
 
-    def negativeinteger_value(self, minus: Token, token: Token) -> syntax.Expression:
+    def negative_integer(self, minus: Token, token: Token) -> syntax.Expression:
         return syntax.Literal(-integer_value(token), span=_span(minus, token))
 
     def negative_float(self, minus: Token, token: Token) -> syntax.Expression:
