@@ -71,6 +71,11 @@ def _parser() -> argparse.ArgumentParser:
         "--step", action="append", default=[], metavar="CALL", help="a behavior: 'name(a, bind=b)'"
     )
     _format(simulator)
+    formatter = _command(commands, "fmt", fmt, "bring files to the canonical layout")
+    formatter.add_argument("files", nargs="+", metavar="FILE", help="'-' is standard input")
+    formatter.add_argument("--check", action="store_true", help="show what would change")
+    explainer = _command(commands, "explain", explain, "say what the code of a diagnostic means")
+    explainer.add_argument("code", metavar="CODE", help="such as unknown-feature")
     return parser
 
 
@@ -267,6 +272,40 @@ def simulate(options: argparse.Namespace) -> int:
     else:
         print(state_text(result.world, result.state), end="")
     return DONE if result.is_complete else INPUT_ERRORS
+
+
+def fmt(options: argparse.Namespace) -> int:
+    """`cdlc fmt`: files in canonical layout; with `--check`, what would change."""
+    from cdlc.fmt import Outcome, format_files
+
+    results = format_files(options.files, driver.read_standard_input, check=options.check)
+    for result in results:
+        _report(options, result.diagnostics, result.sources)
+        if options.check:
+            print(result.diff, end="")
+        elif result.name == "-" and result.text is not None:
+            print(result.text, end="")
+    outcomes = {result.outcome for result in results}
+    differs = options.check and Outcome.CHANGED in outcomes
+    return INPUT_ERRORS if differs or Outcome.INVALID in outcomes else DONE
+
+
+def explain(options: argparse.Namespace) -> int:
+    """`cdlc explain`: the page of a diagnostic's code."""
+    from cdlc.explain import explain as page_of
+    from cdlc.explain import similar
+
+    page = page_of(options.code)
+    if page is None:
+        near = similar(options.code)
+        hint = "" if near is None else f"; did you mean `{near}`?"
+        print(
+            f"error[unknown-code]: no diagnostic has the code `{options.code}`{hint}",
+            file=sys.stderr,
+        )
+        return INPUT_ERRORS
+    print(page, end="")
+    return DONE
 
 
 # ------------------------------------------------------------------------------------------ shared

@@ -38,7 +38,8 @@ class CompileError(Exception):
         return as_text(self.diagnostics, self.sources).rstrip()
 
 
-def _read_standard_input() -> bytes:
+def read_standard_input() -> bytes:
+    """Standard input as it is."""
     return sys.stdin.buffer.read()
 
 
@@ -52,7 +53,7 @@ class Compilation:
     domain_file: str | None = None
     problem_file: str | None = None
     found: Collector = field(default_factory=Collector)
-    read_standard_input: Callable[[], bytes] = _read_standard_input
+    read_standard_input: Callable[[], bytes] = read_standard_input
 
     @cached_property
     def files(self) -> Files:
@@ -218,7 +219,7 @@ class Compilation:
 def compilation(
     files: list[str],
     found: Collector | None = None,
-    read_standard_input: Callable[[], bytes] = _read_standard_input,
+    read_standard_input: Callable[[], bytes] = read_standard_input,
 ) -> Compilation:
     """The compilation of `DOMAIN`, `PROBLEM` or `DOMAIN PROBLEM`.
 
