@@ -73,6 +73,8 @@ class Pool:
     hierarchy: Hierarchy
     level: Level = Level.BASIC
     _nodes: dict[tuple[object, ...], Expression] = field(default_factory=dict)
+    _free: dict[int, frozenset[str]] = field(default_factory=dict)
+    _heights: dict[int, int] = field(default_factory=dict)
     _fresh: int = 0
 
     def __post_init__(self) -> None:
@@ -367,14 +369,14 @@ class Pool:
 
         So formulas that differ only in the names of bound variables are one.
         """
-        used = free_variables(body)
+        used = self.free_variables(body)
         bound = [v for v in variables if isinstance(v, Variable) and v.name in used]
         if not bound or body is self.true or body is self.false:
             # `forall x: c` is true where there is no x at all; only then does it matter.
             if body is (self.true if quantifier == "forall" else self.false):
                 return body
             bound = [v for v in variables if isinstance(v, Variable)]
-        height = _height(body) + 1
+        height = self._heights[id(body)] + 1
         named = [replace_name(v, f"_{height}_{i}") for i, v in enumerate(bound)]
         renaming = {
             old.name: self.variable(new.name, new.type)
@@ -388,7 +390,9 @@ class Pool:
     # --------------------------------------------------------------------------------- rebuilding
 
     def substitute(self, node: Expression, values: Mapping[str, Expression]) -> Expression:
-        """The expression with free variables replaced, and none captured by a quantifier."""
+        """A pooled expression with free variables replaced, and none captured by a quantifier."""
+        if self._free[id(node)].isdisjoint(values):
+            return node
         return self.rebuild(node, values)
 
     def rebuild(
@@ -435,11 +439,33 @@ class Pool:
         values: Mapping[str, Expression],
         rule: Callable[[Expression], Expression] | None,
     ) -> Expression:
+        if rule is None and id(node) in self._free:
+            free = self._free[id(node)]
+            if free.isdisjoint(values):
+                return node
+            used = [values[name] for name in free if name in values]
+            if not any(self._heights[id(value)] for value in used):
+                return self._substituted_inside(node, values)
         opened = tuple(self.fresh(v) for v in node.variables)
         names = {v.name: o for v, o in zip(node.variables, opened, strict=True)}
         body = self.rebuild(node.body, {**values, **names}, rule)
         made = self.quantified(node.quantifier, opened, body)
         return made if rule is None else rule(made)
+
+    def _substituted_inside(self, node: Quantified, values: Mapping[str, Expression]) -> Expression:
+        """A quantifier over a changed body, its own variables as they were.
+
+        Values without quantifiers leave how deep it stands, and so its variables' names, alone; and
+        those names are free in no value.
+        """
+        bound = {v.name for v in node.variables}
+        inner = {name: value for name, value in values.items() if name not in bound}
+        body = self.rebuild(node.body, inner)
+        if body is self.true or body is self.false or not bound <= self._free[id(body)]:
+            opened = tuple(self.variable(v.name, v.type) for v in node.variables)
+            return self.quantified(node.quantifier, opened, body)
+        key = (node.quantifier, *((p.name, p.type) for p in node.variables), id(body))
+        return self._intern(key, lambda: Quantified(node.quantifier, node.variables, body))
 
     def _again(self, node: Expression, done: Mapping[int, Expression]) -> Expression:
         def new(part: Expression) -> Expression:
@@ -483,7 +509,24 @@ class Pool:
         node = self._nodes.get(key)
         if node is None:
             node = self._nodes[key] = make()
+            self._free[id(node)] = self._free_in(node)
+            self._heights[id(node)] = self._height_of(node)
         return node
+
+    def _free_in(self, node: Expression) -> frozenset[str]:
+        if isinstance(node, Variable):
+            return frozenset((node.name,))
+        inside = [self._free[id(part)] for part in parts(node)]
+        free = inside[0].union(*inside[1:]) if inside else frozenset()
+        return free - {v.name for v in node.variables} if isinstance(node, Quantified) else free
+
+    def _height_of(self, node: Expression) -> int:
+        inner = max((self._heights[id(part)] for part in parts(node)), default=0)
+        return inner + isinstance(node, Quantified)
+
+    def free_variables(self, node: Expression) -> frozenset[str]:
+        """The names of a pooled expression's variables that no quantifier within binds."""
+        return self._free[id(node)]
 
 
 class _Identities:
@@ -539,28 +582,6 @@ def in_order(*roots: Expression, into_quantifiers: bool = True) -> Iterator[Expr
 def size(*roots: Expression) -> int:
     """The number of nodes of a graph."""
     return sum(1 for _ in in_order(*roots))
-
-
-def free_variables(node: Expression) -> frozenset[str]:
-    """The names of the variables that are not bound by a quantifier within."""
-    free: dict[int, frozenset[str]] = {}
-    for part in in_order(node):
-        names = frozenset().union(*(free[id(p)] for p in parts(part)))
-        if isinstance(part, Variable):
-            names = frozenset((part.name,))
-        elif isinstance(part, Quantified):
-            names -= {v.name for v in part.variables}
-        free[id(part)] = names
-    return free[id(node)]
-
-
-def _height(node: Expression) -> int:
-    """How deep quantifiers nest."""
-    heights: dict[int, int] = {}
-    for part in in_order(node):
-        inner = max((heights[id(p)] for p in parts(part)), default=0)
-        heights[id(part)] = inner + isinstance(part, Quantified)
-    return heights[id(node)]
 
 
 def _chain(node: Expression) -> tuple[Expression, int]:

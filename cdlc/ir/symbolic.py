@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from cdlc.ir.pool import Pool, free_variables
+from cdlc.ir.pool import Pool
 from crow.program import (
     And,
     Apply,
@@ -222,7 +222,7 @@ class Executor:
         open_ = tuple(v for v in write.variables if isinstance(v, Variable) and v.name in names)
         if not open_:
             return pool.choice(met, value, before)
-        if not names & free_variables(value):
+        if not names & pool.free_variables(value):
             return pool.choice(pool.quantified("exists", open_, met), value, before)
         if is_boolean(value.type):
             # All iterations that write the cell agree, so one that writes true decides it.
@@ -524,7 +524,8 @@ class Executor:
     def _written_by_all(self, layer: Layer, write: Update) -> Layer:
         """A quantified write; without its variables where the cell and value have none of them."""
         names = {v.name for v in write.variables if isinstance(v, Variable)}
-        used = free_variables(write.value).union(*map(free_variables, write.arguments))
+        free = self.pool.free_variables
+        used = free(write.value).union(*map(free, write.arguments))
         if names & used:
             self._numbers += 1
             return _written(layer, write, self._numbers)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from programs import program_of, start
 
-from cdlc.ir.pool import Level, Pool, free_variables, size
+from cdlc.ir.pool import Level, Pool, size
 from crow.evaluate import holds
 from crow.problem import State, World
 from crow.program import (
@@ -208,7 +208,7 @@ def test_substitution_captures_no_variable(
     expected = holds(WORLD, state, formula, inner)
     assert holds(WORLD, state, pool.substitute(pooled, replaced), outer) is expected
     assert pool.rebuild(pooled, {}) is pooled
-    assert free_variables(pooled) <= program_free_variables(formula)
+    assert pool.free_variables(pooled) <= program_free_variables(formula)
 
 
 def test_the_world_is_as_the_tests_assume() -> None:

@@ -55,7 +55,7 @@ def applied(
             if evaluate(world, state, update.guard, values):
                 cell = tuple(evaluate(world, state, a, values) for a in update.arguments)
                 changes[update.feature, cell] = evaluate(world, state, update.value, values)
-    return state.updated(changes)
+    return State({**state.cells, **changes})
 
 
 def compare(effect: tuple[Statement, ...], state: State, world: World, level: Level) -> None:
