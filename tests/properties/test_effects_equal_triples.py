@@ -31,7 +31,7 @@ def states(draw: st.DrawFn, world: World) -> State:
             else:
                 value = draw(st.sampled_from(world.objects_of(feature.type)))
             cells[feature.name, arguments] = value
-    return State(cells)
+    return world.updated(State(), cells)
 
 
 def updates_of(effect: tuple[Statement, ...], level: Level) -> tuple[Update, ...]:
@@ -55,7 +55,7 @@ def applied(
             if evaluate(world, state, update.guard, values):
                 cell = tuple(evaluate(world, state, a, values) for a in update.arguments)
                 changes[update.feature, cell] = evaluate(world, state, update.value, values)
-    return state.updated(changes)
+    return world.updated(state, changes)
 
 
 def compare(effect: tuple[Statement, ...], state: State, world: World, level: Level) -> None:
