@@ -3,6 +3,7 @@
 from functools import cache
 from textwrap import dedent
 
+from cdlc.backends.pddl import PddlTask, to_pddl
 from cdlc.diagnostics import Collector
 from cdlc.frontend import syntax
 from cdlc.frontend.check import (
@@ -14,6 +15,8 @@ from cdlc.frontend.check import (
 from cdlc.frontend.check_expressions import check_condition, check_expression
 from cdlc.frontend.parser import parse
 from cdlc.frontend.scope import Context, Scope
+from cdlc.ir.hoare import Model
+from cdlc.ir.model import triples
 from cdlc.source import SourceFile
 from crow.problem import Problem, State, World
 from crow.program import Behavior, Expression, ProblemStatement, Program
@@ -95,3 +98,25 @@ def expression_of(domain: str, text: str, objects: str = "", *, value: bool = Fa
             raise AssertionError(text)
     assert not found.has_errors, [d.message() for d in found]
     return expression
+
+
+def emitted(
+    domain: str, problem: str | None = None
+) -> tuple[PddlTask | None, Collector, Problem | None]:
+    """The PDDL of a domain and, if given, of a problem, with what was reported."""
+    found = Collector()
+    stated = None
+    if problem is None:
+        program = program_of(domain)
+    else:
+        program, statement = statement_of(domain, problem)
+        stated = Problem.of(program, statement)
+    model = Model(program)
+    return to_pddl(model, triples(model, found), stated, found), found, stated
+
+
+def task_of(domain: str, problem: str | None = None) -> PddlTask:
+    """The PDDL of a domain and, if given, of a problem, both fit for it."""
+    task, found, _ = emitted(domain, problem)
+    assert task is not None, [d.message() for d in found]
+    return task

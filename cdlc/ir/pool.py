@@ -290,7 +290,12 @@ class Pool:
     def _normal_comparison(
         self, operator: ComparisonOperator, left: Expression, right: Expression
     ) -> tuple[ComparisonOperator, Expression, Expression]:
-        """Whole numbers: the literal to the right, and `x - 1 > 0` as `x > 1`."""
+        """Objects: variables first, by name. Whole numbers: the literal to the right, and
+        `x - 1 > 0` as `x > 1`.
+        """
+        if is_object(left.type):
+            turned = _leaf_order(right) < _leaf_order(left)
+            return (operator, right, left) if turned else (operator, left, right)
         if isinstance(left, Constant) and not isinstance(right, Constant):
             operator, left, right = _FLIPPED[operator], right, left
         if not (is_integer(left.type) and isinstance(right, Constant)):
@@ -369,6 +374,8 @@ class Pool:
 
         So formulas that differ only in the names of bound variables are one.
         """
+        if not variables:
+            return body
         used = self.free_variables(body)
         bound = [v for v in variables if isinstance(v, Variable) and v.name in used]
         if not bound or body is self.true or body is self.false:
@@ -582,6 +589,16 @@ def in_order(*roots: Expression, into_quantifiers: bool = True) -> Iterator[Expr
 def size(*roots: Expression) -> int:
     """The number of nodes of a graph."""
     return sum(1 for _ in in_order(*roots))
+
+
+def _leaf_order(node: Expression) -> tuple[int, str]:
+    match node:
+        case Variable(name=name):
+            return 0, name
+        case Object(name=name):
+            return 1, name
+        case _:
+            return 2, ""
 
 
 def _chain(node: Expression) -> tuple[Expression, int]:

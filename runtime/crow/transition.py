@@ -33,7 +33,7 @@ from crow.program import (
     Statement,
 )
 from crow.program.locals import Locals, set_local
-from crow.program.names import named_binds
+from crow.program.names import fresh_name
 from crow.program.walk import free_variables
 from crow.text import expression_text
 from crow.trace import AssertItem, DoItem, EffItem, Trace
@@ -85,13 +85,14 @@ def apply(
 ) -> Transition:
     """Apply a behavior in a state.
 
-    `arguments` are one value a parameter; `bindings` choose values for `bind`s by the names that
-    `named_binds` gives them. A bind that is not chosen takes the one object that satisfies its
-    condition, if there is just one.
+    `arguments` are one value a parameter; `bindings` choose values for `bind`s by name, the second
+    variable of a name being `y_2`. A bind that is not chosen takes the one object that satisfies
+    its condition, if there is just one.
     """
     names = [p.name for p in behavior.parameters]
     variables = dict(zip(names, arguments, strict=True))
     run = _Application(world, state, behavior, ChainMap(variables), dict(bindings or {}))
+    run.taken.update(names)
     problem = run.run()
     return Transition(tuple(run.trace), run.state, run.bound, problem)
 
@@ -114,12 +115,11 @@ class _Application:
     trace: list[AssertItem | DoItem | EffItem] = field(default_factory=list)
     held: list[tuple[AssertItem, State]] = field(default_factory=list)
     bound: dict[str, Value] = field(default_factory=dict)
-    names: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    taken: set[str] = field(default_factory=set)
     values: set[str] = field(default_factory=set)
 
     def run(self) -> Unmet | Ambiguous | None:
         behavior = self.behavior
-        self.names = {id(bind): names for bind, names in named_binds(behavior)}
         try:
             self._statements(behavior.body)
             if behavior.effect is not None:
@@ -216,7 +216,7 @@ class _Application:
         self.held.clear()
 
     def _bind(self, node: Bind) -> None:
-        names = self.names[id(node)]
+        names = self._names(node)
         fixed = self._given(node, names)
         free = tuple(v for v in node.variables if v.name not in fixed)
         for variable in free:
@@ -236,6 +236,17 @@ class _Application:
         self.values |= values
         if node.condition is not None:
             self._require(node.condition, node.location, is_held=not values)
+
+    def _names(self, node: Bind) -> tuple[str, ...]:
+        """A name of its own for each variable, also where one shadows a parameter or another bind.
+
+        The Hoare model numbers them in the same way.
+        """
+        names = []
+        for variable in node.variables:
+            names.append(fresh_name(variable.name, self.taken))
+            self.taken.add(names[-1])
+        return tuple(names)
 
     def _given(self, node: Bind, names: tuple[str, ...]) -> dict[str, Value]:
         """The variables of a bind that the caller chose, with their values."""
@@ -265,17 +276,24 @@ class _Application:
             self._effect(controller, dict(zip(names, values, strict=True)), node.location)
 
     def _call(self, node: Call) -> None:
-        """The called behavior where it stands; binds of the caller's names are not chosen in it."""
+        """The called behavior where it stands; its binds are chosen among the caller's."""
         called = self.world.behaviors[node.behavior]
-        arguments = tuple(self._value(a) for a in node.arguments)
-        own = {name for names in self.names.values() for name in names}
-        chosen = {name: value for name, value in self.chosen.items() if name not in own}
-        inner = apply(self.world, self.state, called, arguments, chosen)
-        self.trace += inner.trace
+        names = [p.name for p in called.parameters]
+        values = dict(zip(names, map(self._value, node.arguments), strict=True))
+        inner = _Application(
+            self.world,
+            self.state,
+            called,
+            ChainMap(values),
+            self.chosen,
+            trace=self.trace,
+            bound=self.bound,
+            taken=self.taken,
+        )
+        problem = inner.run()
         self.state = inner.state
-        self.bound |= {n: v for n, v in inner.bindings.items() if n not in own}
-        if inner.problem is not None:
-            raise _Stop(inner.problem)
+        if problem is not None:
+            raise _Stop(problem)
 
     def _effect(
         self,

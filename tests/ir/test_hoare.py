@@ -91,7 +91,7 @@ def post(found: Triple) -> list[str]:
     ]
 
 
-SAME = "(= ?y ?x)"
+SAME = "(= ?x ?y)"
 ALIASED = "(= ?x ?y)"
 
 
@@ -121,13 +121,13 @@ ALIASED = "(= ?x ?y)"
         ("p[x] = False\nq[x] = p(y)", ["p ?x := false", f"q ?x := (and (not {ALIASED}) (p ?y))"]),
         ("p[home] = True\nq[x] = p(far)", ["p home := true", "q ?x := (p far)"]),
         ("p[home] = True\nq[x] = p(home)", ["p home := true", "q ?x := true"]),
-        ("p[home] = True\nq[x] = p(x)", ["p home := true", "q ?x := (or (= home ?x) (p ?x))"]),
+        ("p[home] = True\nq[x] = p(x)", ["p home := true", "q ?x := (or (= ?x home) (p ?x))"]),
         # a cell written again moves to its last place, so that the last write wins
         ("p[x] = True\np[y] = False\np[x] = True", ["p ?y := false", "p ?x := true"]),
         # quantified variables range over every object, the written one too
         (
             "p[x] = True\nq[y] = forall z: T: p(z)",
-            ["p ?x := true", "q ?y := (forall (?t - T) (or (= ?x ?t) (p ?t)))"],
+            ["p ?x := true", "q ?y := (forall (?t - T) (or (= ?t ?x) (p ?t)))"],
         ),
         # rule 5: `let` is substitution of the value of its own place
         ("let k = p(x)\np[x] = False\nq[x] = k", ["p ?x := false", "q ?x := (p ?x)"]),
@@ -149,7 +149,7 @@ ALIASED = "(= ?x ?y)"
         ),
         (
             "p[x] = True\nq[y] = exists x: T: p(x)",
-            ["p ?x := true", "q ?y := (exists (?t - T) (or (= ?x ?t) (p ?t)))"],
+            ["p ?x := true", "q ?y := (exists (?t - T) (or (= ?t ?x) (p ?t)))"],
         ),
         # features whose index reads the state
         ("place[x] = y\np[place(x)] = True", ["place ?x := ?y", "p ?y := true"]),
@@ -218,7 +218,7 @@ def test_arguments_of_calls_are_values_of_the_state_before() -> None:
 def test_types_that_share_no_object_cannot_be_aliased() -> None:
     domain = DECLARATIONS.replace("feature r(v: V)", "feature r(v: object)")
     text = domain + "behavior act(x: T, v: V, u: U):\n  eff:\n    r[x] = True\n    p[x] = r({})\n"
-    for name, value in (("v", "(r ?v)"), ("u", "(or (= ?x ?u) (r ?u))"), ("x", "true")):
+    for name, value in (("v", "(r ?v)"), ("u", "(or (= ?u ?x) (r ?u))"), ("x", "true")):
         assert post(only_triple(text.format(name)))[-1] == f"p ?x := {value}"
 
 
@@ -248,7 +248,7 @@ def test_a_method_has_no_triple() -> None:
         ("p(home) ^ q(home)", "p[home] = True", "(not (q home))"),
         ("p(home) == q(home)", "p[home] = q(home)", "true"),
         ("p(far) if q(far) else p(home)", "q[far] = True", "(p far)"),
-        ("exists z: T: p(z)", "p[home] = True", "(exists (?t - T) (or (= home ?t) (p ?t)))"),
+        ("exists z: T: p(z)", "p[home] = True", "(exists (?t - T) (or (= ?t home) (p ?t)))"),
         ("place(home) == far", "place[home] = far", "true"),
         ("place(home) != far", "place[home] = far", "false"),
         ("place(home) == far", "place[home] = home", "false"),
@@ -351,7 +351,7 @@ def test_a_called_behavior_is_inlined() -> None:
         "behavior act(x: T, y: T):\n  body:\n    inner(y)\n    assert p(x)\n  eff: q[x] = p(y)\n"
     )
     found = only_triple(text)
-    assert pre(found) == ["(q ?y)", "(or (= ?y ?x) (p ?x))"]
+    assert pre(found) == ["(q ?y)", "(or (= ?x ?y) (p ?x))"]
     assert post(found) == ["p ?y := true", "q ?x := true"]
     assert [call.controller for call in found.calls] == ["go"]
 

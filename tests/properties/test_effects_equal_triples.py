@@ -31,7 +31,7 @@ def states(draw: st.DrawFn, world: World) -> State:
             else:
                 value = draw(st.sampled_from(world.objects_of(feature.type)))
             cells[feature.name, arguments] = value
-    return State(cells)
+    return world.updated(State(), cells)
 
 
 def updates_of(effect: tuple[Statement, ...], level: Level) -> tuple[Update, ...]:
@@ -55,12 +55,7 @@ def applied(
             if evaluate(world, state, update.guard, values):
                 cell = tuple(evaluate(world, state, a, values) for a in update.arguments)
                 changes[update.feature, cell] = evaluate(world, state, update.value, values)
-    return State({**state.cells, **changes})
-
-
-def told(state: State) -> dict[object, object]:
-    """The cells of a state that differ from what an unset cell holds."""
-    return {cell: value for cell, value in state.cells.items() if value}
+    return world.updated(state, changes)
 
 
 def compare(effect: tuple[Statement, ...], state: State, world: World, level: Level) -> None:
@@ -78,7 +73,7 @@ def compare(effect: tuple[Statement, ...], state: State, world: World, level: Le
             continue
         event("compared")
         at_once = applied(world, state, updates, variables)
-        assert told(at_once) == told(ran), (arguments, effect)
+        assert dict(at_once.cells) == dict(ran.cells), (arguments, effect)
 
 
 WORLD = World.of(program(()), OBJECTS)

@@ -6,30 +6,43 @@ many operators again.
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 
-from cdlc.backends.pddl.conditions import Lowering, NotPddl, SExpr, atom, condition, typed
-from cdlc.backends.pddl.names import Names
+from cdlc.backends.pddl.conditions import (
+    ALWAYS,
+    NEVER,
+    Lowering,
+    NotPddl,
+    SExpr,
+    atom,
+    condition,
+    typed,
+)
+from cdlc.backends.pddl.names import Names, variable_name
 from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.pool import Pool, in_order
+from cdlc.ir.pool import Pool, free_variables
 from cdlc.ir.symbolic import Executor, Update
 from crow.program import BOOL, And, Expression, Parameter, Program, Read, Type, Variable
-from crow.program.names import fresh_name
+from crow.program.types import is_object
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A behavior an action stands for: its variables by the action's parameter.
+    """A behavior an action stands for: its parameters and binds, by the action's parameter.
 
-    A variable of the behavior that the transition does not depend on has no parameter.
+    One that the transition does not depend on has none.
     """
 
     behavior: str
-    variables: tuple[tuple[str, str | None], ...]
+    variables: tuple[tuple[Parameter, str | None], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """One PDDL action; `sources` are its behaviors in source order."""
+    """One PDDL action; `sources` are its behaviors in source order.
+
+    The names of `parameters` are those of PDDL, without the question mark.
+    """
 
     name: str
     parameters: tuple[Parameter, ...]
@@ -39,115 +52,104 @@ class Action:
 
 
 def actions(model: Model, triples: Sequence[Triple], names: Names) -> tuple[Action, ...]:
-    """The actions of a program, in the order of their first behaviors. Raises NotPddl."""
-    groups: dict[object, list[_Normal]] = {}
+    """The actions of a program, in the order of their first behaviors; those that can never be
+    applied are left out. Raises NotPddl.
+    """
+    groups: list[list[_Ordered]] = []
+    index: dict[object, list[_Ordered]] = {}
     for triple in triples:
-        for conflict in triple.conflicts:
-            construct = (
-                f"`{conflict.first.feature}`, which iterations of a `foreach` may write twice,"
-            )
-            raise NotPddl(construct, conflict.first.location)
-        normal = _normalise(model, triple)
-        groups.setdefault(normal.key, []).append(normal)
-    return tuple(_action(model, group, names) for group in groups.values())
+        _refuse(triple)
+        found = next((o for o in _orders(model, triple) if o.key in index), None)
+        if found is not None:
+            index[found.key].append(found)
+        else:
+            declared = next(_orders(model, triple))
+            index[declared.key] = [declared]
+            groups.append(index[declared.key])
+    made = (_action(model, group, names) for group in groups)
+    return tuple(action for action in made if action is not None)
 
 
-# ---------------------------------------------------------------------------------- normal form
+def _refuse(triple: Triple) -> None:
+    for conflict in triple.conflicts:
+        construct = f"`{conflict.first.feature}`, which iterations of a `foreach` may write twice,"
+        raise NotPddl(construct, conflict.first.location)
+    for parameter in triple.parameters:
+        if not is_object(parameter.type):
+            owner = f"parameter `{parameter.name}` of `{triple.behavior}`"
+            raise NotPddl(f"{owner}, of type `{parameter.type}`,", parameter.location)
+
+
+# ------------------------------------------------------------------------------------ equal triples
+
+# All orders of that many variables besides those of the calls are tried.
+_MOST_ORDERED = 5
 
 
 @dataclass(frozen=True, slots=True)
-class _Normal:
-    """A triple whose variables are named by their places in the controller calls."""
+class _Ordered:
+    """A triple with an order of its variables; under the same order equal transitions have equal
+    keys.
+    """
 
     triple: Triple
-    renaming: tuple[tuple[str, str | None], ...]
+    order: tuple[str, ...]
     key: object
 
 
-def _normalise(model: Model, triple: Triple) -> _Normal:
-    """Rename the variables of a triple so that equal transitions become equal data."""
-    order = _order(triple)
-    names = _parameter_names(model.program, triple, order)
+def _orders(model: Model, triple: Triple) -> Iterator[_Ordered]:
+    """The orders of the variables the transition depends on, the declared one first.
+
+    Those of the calls come first, as they stand there.
+    """
+    called = _variables(argument for call in triple.calls for argument in call.arguments)
+    formulas = (e for u in triple.post for e in (*u.arguments, u.value, u.guard))
+    used = {*called, *_variables((*triple.pre, *formulas))}
+    others = [p.name for p in triple.parameters if p.name in used and p.name not in called]
+    for other in permutations(others) if len(others) <= _MOST_ORDERED else [tuple(others)]:
+        order = (*called, *other)
+        yield _Ordered(triple, order, _key(model, triple, order))
+
+
+def _variables(expressions: Iterable[Expression]) -> tuple[str, ...]:
+    """Free variables, each where it first stands."""
+    return tuple(dict.fromkeys(name for e in expressions for name in sorted(free_variables(e))))
+
+
+def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
+    """What two triples must share to be one action: formulas over the places of variables in the
+    order, compared by identity.
+
+    Updates are a set, each with those that overrule it, so that the order of statements that do
+    not meet makes no difference.
+    """
+    pool, executor = model.pool, Executor(model.program, model.pool)
     types = {p.name: p.type for p in triple.parameters}
-    pool = model.pool
-    variables = {o: pool.variable(names[o], types[o]) for o in order}
-
-    def renamed(node: Expression) -> Expression:
-        return pool.substitute(node, variables)
-
-    normal = replace(
-        triple,
-        parameters=tuple(Parameter(names[o], types[o]) for o in order),
-        calls=tuple(
-            replace(call, arguments=tuple(map(renamed, call.arguments))) for call in triple.calls
-        ),
-        pre=tuple(map(renamed, triple.pre)),
-        post=tuple(_renamed_update(u, pool, variables) for u in triple.post),
+    places = {name: pool.variable(f"'{i}", types[name]) for i, name in enumerate(order)}
+    pre = frozenset(id(pool.substitute(part, places)) for part in triple.pre)
+    calls = tuple(
+        (c.controller, *(id(pool.substitute(a, places)) for a in c.arguments)) for c in triple.calls
     )
-    renaming = tuple((p.name, names.get(p.name)) for p in triple.parameters)
-    return _Normal(normal, renaming, _key(normal, Executor(model.program, pool)))
+    updates = tuple(_renamed_update(update, pool, places) for update in triple.post)
+    post = frozenset(
+        (_identity(u), frozenset(map(_identity, _overruling(u, updates, executor))))
+        for u in updates
+    )
+    return (tuple(types[name] for name in order), calls, pre, post)
 
 
-def _renamed_update(update: Update, pool: Pool, variables: dict[str, Expression]) -> Update:
-    """An update over the action's variables; its own are named by their places."""
+def _renamed_update(update: Update, pool: Pool, places: dict[str, Expression]) -> Update:
+    """An update over places; its own variables are named by theirs."""
     own = [v for v in update.variables if isinstance(v, Variable)]
-    places = {v.name: pool.variable(f"{_base(v)}'q{i}", v.type) for i, v in enumerate(own)}
-    values = {**variables, **places}
+    bound = {v.name: pool.variable(f"'q{i}", v.type) for i, v in enumerate(own)}
+    values = {**places, **bound}
     return replace(
         update,
         arguments=tuple(pool.substitute(a, values) for a in update.arguments),
         value=pool.substitute(update.value, values),
         guard=pool.substitute(update.guard, values),
-        variables=tuple(places.values()),
+        variables=tuple(bound.values()),
     )
-
-
-def _base(variable: Variable) -> str:
-    return str(variable.type)[:1].lower()
-
-
-def _order(triple: Triple) -> list[str]:
-    """The variables the transition depends on: those of the calls first, as they stand there."""
-    called = dict.fromkeys(_variables(a for call in triple.calls for a in call.arguments))
-    formulas = (e for u in triple.post for e in (*u.arguments, u.value, u.guard))
-    used = {*called, *_variables((*triple.pre, *formulas))}
-    others = [p.name for p in triple.parameters if p.name in used and p.name not in called]
-    return [*called, *others]
-
-
-def _variables(expressions: Iterable[Expression]) -> Iterator[str]:
-    for part in in_order(*expressions):
-        if isinstance(part, Variable):
-            yield part.name
-
-
-def _parameter_names(program: Program, triple: Triple, order: list[str]) -> dict[str, str]:
-    """Names of the action's parameters: the controller's own where one call decides them."""
-    chosen: dict[str, str] = {}
-    if len(triple.calls) == 1:
-        (call,) = triple.calls
-        controller = next(c for c in program.controllers if c.name == call.controller)
-        for parameter, argument in zip(controller.parameters, call.arguments, strict=True):
-            if isinstance(argument, Variable):
-                chosen.setdefault(argument.name, parameter.name)
-    for name in order:
-        if name not in chosen:
-            chosen[name] = fresh_name(name, set(chosen.values()))
-    return {name: chosen[name] for name in order}
-
-
-def _key(triple: Triple, executor: Executor) -> object:
-    """What two triples must share to be one action; formulas are compared by identity.
-
-    Updates are a set, each with those that overrule it, so that the order of statements that do
-    not meet makes no difference.
-    """
-    calls = tuple((call.controller, *map(id, call.arguments)) for call in triple.calls)
-    post = frozenset(
-        (_identity(u), frozenset(map(_identity, _overruling(u, triple.post, executor))))
-        for u in triple.post
-    )
-    return (triple.parameters, calls, frozenset(map(id, triple.pre)), post)
 
 
 def _identity(update: Update) -> tuple[object, ...]:
@@ -170,17 +172,44 @@ def _overruling(update: Update, post: tuple[Update, ...], executor: Executor) ->
 # --------------------------------------------------------------------------------------- actions
 
 
-def _action(model: Model, group: list[_Normal], names: Names) -> Action:
-    first = group[0].triple
-    lowering = Lowering(names, {p.name: f"?{p.name}" for p in first.parameters})
+def _action(model: Model, group: list[_Ordered], names: Names) -> Action | None:
+    first = group[0]
+    triple = first.triple
+    chosen = _parameter_names(model.program, first)
+    lowering = Lowering(names, {name: f"?{chosen[name]}" for name in first.order})
     executor = Executor(model.program, model.pool)
+    precondition = condition(model.pool.conjunction(triple.pre), lowering)
+    effects = tuple(_effects(triple.post, lowering, executor))
+    if precondition == NEVER:
+        return None
+    types = {p.name: p.type for p in triple.parameters}
     return Action(
-        names.add("action", _name(first, names)),
-        first.parameters,
-        condition(model.pool.conjunction(first.pre), lowering),
-        tuple(_effects(first.post, lowering, executor)),
-        tuple(Source(normal.triple.behavior, normal.renaming) for normal in group),
+        names.add("action", _name(triple, names)),
+        tuple(Parameter(chosen[name], types[name]) for name in first.order),
+        precondition,
+        effects,
+        tuple(_source(same, [chosen[name] for name in first.order]) for same in group),
     )
+
+
+def _source(ordered: _Ordered, parameters: list[str]) -> Source:
+    places = dict(zip(ordered.order, parameters, strict=True))
+    variables = tuple((p, places.get(p.name)) for p in ordered.triple.parameters)
+    return Source(ordered.triple.behavior, variables)
+
+
+def _parameter_names(program: Program, ordered: _Ordered) -> dict[str, str]:
+    """Names of the action's parameters: the controller's own where one call decides them."""
+    wanted = {name: name for name in ordered.order}
+    calls = ordered.triple.calls
+    if len(calls) == 1:
+        controller = next(c for c in program.controllers if c.name == calls[0].controller)
+        pairs = list(zip(controller.parameters, calls[0].arguments, strict=True))
+        wanted |= {a.name: p.name for p, a in reversed(pairs) if isinstance(a, Variable)}
+    chosen: dict[str, str] = {}
+    for name in ordered.order:
+        chosen[name] = variable_name(wanted[name], chosen.values())
+    return chosen
 
 
 def _name(triple: Triple, names: Names) -> str:
@@ -212,32 +241,41 @@ def _effects(post: tuple[Update, ...], lowering: Lowering, executor: Executor) -
 def _clauses(
     update: Update, guard: Expression, lowering: Lowering, executor: Executor
 ) -> Iterator[SExpr]:
-    """The add and the delete of one update.
-
-    An add is needed only where the cell is false before, a delete only where it is true.
-    """
+    """The add and the delete of one update."""
     pool = executor.pool
     bound = tuple(Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable))
     inner = lowering.with_variables(bound)
     cell = pool.read(update.feature, update.arguments, BOOL)
-    written = atom(cell, inner) if isinstance(cell, Read) else ()
-    known = guard.operands if isinstance(guard, And) else (guard,)
-    from_false = pool.given(update.value, (*known, pool.negation(cell)))
-    from_true = pool.given(update.value, (*known, cell))
-    # Where the cell is true and becomes false, the add must not fire: it would win.
-    stays = pool.disjunction((pool.negation(cell), from_true))
-    adds = pool.conjunction((guard, from_false, stays))
-    deletes = pool.conjunction((guard, pool.negation(from_true)))
-    for when, effect in ((adds, written), (deletes, ("not", written))):
-        if when is pool.false:
+    assert isinstance(cell, Read)
+    written = atom(cell, inner)
+    adds, deletes = _when_written(update, guard, cell, pool)
+    for when, effect in ((deletes, ("not", written)), (adds, written)):
+        lowered = condition(when, inner)
+        if lowered == NEVER:
             continue
-        clause: SExpr = effect
-        if when is not pool.true:
-            clause = ("when", condition(when, inner), effect)
+        clause: SExpr = effect if lowered == ALWAYS else ("when", lowered, effect)
         if bound:
             named = [(inner.variables[v.name], v.type) for v in bound]
             clause = ("forall", typed(named, inner.names), clause)
         yield clause
+
+
+def _when_written(
+    update: Update, guard: Expression, cell: Expression, pool: Pool
+) -> tuple[Expression, Expression]:
+    """When an update adds and when it deletes.
+
+    An add is needed only where the cell is false before, a delete only where it is true.
+    """
+    known = guard.operands if isinstance(guard, And) else (guard,)
+    from_false = pool.given(update.value, (*known, pool.negation(cell)))
+    from_true = pool.given(update.value, (*known, cell))
+    deletes = pool.conjunction((guard, pool.negation(from_true)))
+    if from_false is from_true:
+        return pool.conjunction((guard, from_true)), deletes
+    # Where the cell is true and becomes false, the add must not fire: it would win.
+    stays = pool.disjunction((pool.negation(cell), from_true))
+    return pool.conjunction((guard, from_false, stays)), deletes
 
 
 def parameter_list(action: Action, names: Names) -> tuple[SExpr, ...]:

@@ -7,8 +7,16 @@ from itertools import groupby
 
 from cdlc.backends.errors import NotInPddl
 from cdlc.backends.pddl.actions import Action, actions, parameter_list
-from cdlc.backends.pddl.conditions import Lowering, NotPddl, SExpr, condition, type_name, typed
-from cdlc.backends.pddl.names import Names, legal_name
+from cdlc.backends.pddl.conditions import (
+    NEVER,
+    Lowering,
+    NotPddl,
+    SExpr,
+    condition,
+    type_name,
+    typed,
+)
+from cdlc.backends.pddl.names import Names, legal_name, variable_name
 from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.symbolic import NotModelled
@@ -16,10 +24,10 @@ from crow.problem import Problem
 from crow.program import (
     Behavior,
     Do,
+    Feature,
     Location,
     ObjectType,
     Program,
-    Promotable,
 )
 from crow.program.types import is_boolean
 from crow.program.walk import statements_within
@@ -27,13 +35,17 @@ from crow.program.walk import statements_within
 
 @dataclass(frozen=True)
 class PddlTask:
-    """The PDDL of a program, and of a problem if there is one; `actions` lead back to behaviors."""
+    """The PDDL of a program, and of a problem if there is one; `actions` lead back to behaviors.
+
+    A hopeless task has a goal that is false in every state, which some readers do not take.
+    """
 
     program: Program
     actions: tuple[Action, ...]
     names: Names
     domain: str
     problem: str | None
+    is_hopeless: bool = False
 
     @cached_property
     def actions_by_name(self) -> dict[str, Action]:
@@ -52,21 +64,37 @@ def to_pddl(
         return None
     names = Names()
     for type_ in program.types:
-        names.add("type", type_.name)
+        if type_.is_object:
+            names.add("type", type_.name)
     for feature in program.features:
         names.add("feature", feature.name)
     for constant in program.constants:
         names.add("object", constant.name)
     try:
         made = actions(model, triples, names)
+        renamed = names.changed()
         goal = None if problem is None else _goal(model, problem, names)
     except NotPddl as refused:
         location = refused.location or Location("", 1, 1, 1, 1)
         found.add(NotInPddl(location=location, construct=refused.construct))
         return None
-    domain = _domain(program, made, names, goal)
-    text = None if problem is None or goal is None else _problem(program, problem, goal, names)
-    return PddlTask(program, made, names, domain, text)
+    domain = _renamings(renamed) + _domain(program, made, names, goal)
+    domain = _heading("domain", program.name) + domain
+    if problem is None or goal is None:
+        return PddlTask(program, made, names, domain, None)
+    text = _renamings(names.changed()[len(renamed) :]) + _problem(program, problem, goal, names)
+    text = _heading("problem", problem.name) + text
+    return PddlTask(program, made, names, domain, text, is_hopeless=goal == NEVER)
+
+
+def _heading(kind: str, name: str) -> str:
+    shown = "".join(c if c.isprintable() else " " for c in name)
+    return f'; Emitted by cdlc from the CDL {kind} "{shown}".\n'
+
+
+def _renamings(renamed: list[tuple[str, str]]) -> str:
+    lines = [f";   {name} is {pddl}\n" for name, pddl in renamed]
+    return "; Names that PDDL does not take or tell apart:\n" + "".join(lines) if lines else ""
 
 
 def _report_unfit(program: Program, found: Collector) -> None:
@@ -85,12 +113,12 @@ def _report_unfit(program: Program, found: Collector) -> None:
 
 
 def _calls(behavior: Behavior) -> Iterator[Do]:
-    promotable = behavior.promotable or Promotable("unordered", ())
-    body = (*behavior.left, *promotable.members, *behavior.right)
-    return (s for s in statements_within(body) if isinstance(s, Do))
+    return (s for s in statements_within(behavior.body) if isinstance(s, Do))
 
 
 def _goal(model: Model, problem: Problem, names: Names) -> SExpr:
+    if problem.minimize is not None:
+        raise NotPddl("`minimize`", problem.minimize.location)
     for name in problem.world.objects:
         names.add("object", name)
     try:
@@ -111,14 +139,7 @@ def _domain(program: Program, made: tuple[Action, ...], names: Names, goal: SExp
         *_predicates(program, names),
         *(_action(action, names) for action in made),
     ]
-    title = legal_name(program.name)
-    head = f'; Emitted by cdlc from the CDL domain "{program.name}".\n'
-    return f"{head}{_renamings(names)}(define (domain {title})\n{_sections(parts)})\n"
-
-
-def _renamings(names: Names) -> str:
-    lines = [f";   {name} is {pddl}\n" for name, pddl in names.changed()]
-    return "; Names that PDDL does not take or tell apart:\n" + "".join(lines) if lines else ""
+    return f"(define (domain {legal_name(program.name)})\n{_sections(parts)})\n"
 
 
 def _sections(parts: list[str]) -> str:
@@ -128,10 +149,11 @@ def _sections(parts: list[str]) -> str:
 def _requirements(program: Program, made: tuple[Action, ...], goal: SExpr | None) -> Iterator[str]:
     """The requirements that are used, in the order of the PDDL manuals."""
     conditions = [a.precondition for a in made] + ([] if goal is None else [goal])
-    conditions += [e[1] for a in made for e in a.effects if e[0] == "when"]
+    guards = [guard for a in made for e in a.effects for guard in _guards(e)]
+    conditions += guards
     words = {word for c in conditions for word in _words(c)}
     yield ":strips"
-    if program.types:
+    if any(type_.is_object for type_ in program.types):
         yield ":typing"
     if "not" in words:
         yield ":negative-preconditions"
@@ -143,8 +165,18 @@ def _requirements(program: Program, made: tuple[Action, ...], goal: SExpr | None
         yield ":existential-preconditions"
     if "forall" in words:
         yield ":universal-preconditions"
-    if any(e[0] == "when" for a in made for e in a.effects):
+    if guards or any(e[0] == "forall" for a in made for e in a.effects):
         yield ":conditional-effects"
+
+
+def _guards(effect: SExpr) -> Iterator[SExpr]:
+    match effect:
+        case ("when", guard, _):
+            yield guard
+        case ("forall", _, inner):
+            yield from _guards(inner)
+        case _:
+            return
 
 
 def _words(formula: SExpr) -> Iterator[str]:
@@ -190,17 +222,18 @@ def _constants(program: Program, names: Names) -> Iterator[str]:
 
 
 def _predicates(program: Program, names: Names) -> Iterator[str]:
-    lines = [
-        _printed(
-            (
-                names.get("feature", feature.name),
-                *typed([(f"?{p.name}", p.type) for p in feature.parameters], names),
-            )
-        )
-        for feature in program.features
-    ]
+    lines = [_printed(_predicate(feature, names)) for feature in program.features]
     if lines:
         yield "(:predicates\n  " + "\n  ".join(lines) + ")"
+
+
+def _predicate(feature: Feature, names: Names) -> SExpr:
+    chosen: list[str] = []
+    for parameter in feature.parameters:
+        chosen.append(variable_name(parameter.name, chosen))
+    types = [parameter.type for parameter in feature.parameters]
+    declared = [(f"?{name}", type_) for name, type_ in zip(chosen, types, strict=True)]
+    return (names.get("feature", feature.name), *typed(declared, names))
 
 
 def _action(action: Action, names: Names) -> str:
@@ -239,10 +272,11 @@ def _problem(program: Program, problem: Problem, goal: SExpr, names: Names) -> s
     world = problem.world
     constants = {c.name for c in program.constants}
     listed = [(n, t) for n, t in world.objects.items() if n not in constants]
-    lines = []
-    for type_, group in groupby(listed, key=lambda item: item[1]):
-        own = " ".join(names.get("object", name) for name, _ in group)
-        lines.append(f"{own} - {type_name(type_, names)}" if program.types else own)
+    groups = (list(group) for _, group in groupby(listed, key=lambda item: item[1]))
+    lines = [
+        " ".join(map(_printed, typed([(names.get("object", n), t) for n, t in group], names)))
+        for group in groups
+    ]
     facts = [
         _printed((names.get("feature", f), *(names.get("object", a) for a in arguments)))
         for f, arguments in _true_facts(problem)
@@ -253,9 +287,7 @@ def _problem(program: Program, problem: Problem, goal: SExpr, names: Names) -> s
         "(:init\n  " + "\n  ".join(facts) + ")" if facts else "(:init)",
         f"(:goal {_clauses(_conjuncts(goal))})".replace("\n    ", "\n  "),
     ]
-    head = f'; Emitted by cdlc from the CDL problem "{problem.name}".\n'
-    title = legal_name(problem.name)
-    return f"{head}(define (problem {title})\n{_sections(parts)})\n"
+    return f"(define (problem {legal_name(problem.name)})\n{_sections(parts)})\n"
 
 
 def _true_facts(problem: Problem) -> list[tuple[str, tuple[str, ...]]]:

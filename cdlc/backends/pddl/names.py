@@ -1,15 +1,16 @@
 """CDL names to PDDL names: kept, unless PDDL does not take them, and back."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-_KEYWORDS = """
-    define domain problem requirements types constants predicates functions action parameters
-    precondition effect objects init goal metric minimize maximize total-cost total-time
-    and or not imply forall exists when either assign increase decrease scale-up scale-down
-    object number derived axiom durative-action preference
+# What readers take for a connective, an effect or a built-in where a name is meant. Other words of
+# PDDL, `at` and `over` among them, are ordinary names to every reader tried.
+_WORDS = """
+    and or not imply forall exists when either preference assign increase decrease object number
+    define undefined oneof always sometime within
 """
-_RESERVED = frozenset(_KEYWORDS.split())
+_RESERVED = frozenset(_WORDS.split())
 
 
 @dataclass(slots=True)
@@ -20,40 +21,47 @@ class Names:
     """
 
     _by_origin: dict[tuple[str, str], str] = field(default_factory=dict)
-    _origins: dict[str, str] = field(default_factory=dict)
+    _origins: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     def add(self, kind: str, name: str) -> str:
         """The PDDL name of a thing of some kind, chosen when it is first asked for."""
         key = (kind, name)
         if key not in self._by_origin:
-            chosen = self._choose(name)
+            chosen = _free(legal_name(name), {*self._origins, *_RESERVED})
             self._by_origin[key] = chosen
-            self._origins[chosen.lower()] = name
+            self._origins[chosen.lower()] = key
         return self._by_origin[key]
 
     def get(self, kind: str, name: str) -> str:
         """The PDDL name of a thing that was added."""
         return self._by_origin[kind, name]
 
-    def has(self, kind: str, name: str) -> bool:
-        """Whether a thing was added."""
-        return (kind, name) in self._by_origin
+    def has(self, kind: str, name: str | None = None) -> bool:
+        """Whether a thing, or any thing of that kind, was added."""
+        return any(k == kind and name in (None, n) for k, n in self._by_origin)
 
-    def origin(self, name: str) -> str | None:
-        """The CDL name behind a PDDL name in any case."""
-        return self._origins.get(name.lower())
+    def origin(self, kind: str, name: str) -> str | None:
+        """The CDL name behind the PDDL name, in any case, of a thing of some kind."""
+        found, origin = self._origins.get(name.lower(), ("", None))
+        return origin if found == kind else None
 
     def changed(self) -> list[tuple[str, str]]:
         """Pairs of CDL name and PDDL name that differ, in order of their appearance."""
         return [(name, pddl) for (_, name), pddl in self._by_origin.items() if name != pddl]
 
-    def _choose(self, name: str) -> str:
-        legal = legal_name(name)
-        candidate, number = legal, 1
-        while candidate.lower() in self._origins or candidate.lower() in _RESERVED:
-            number += 1
-            candidate = f"{legal}-{number}"
-        return candidate
+
+def variable_name(name: str, taken: Iterable[str]) -> str:
+    """The PDDL name, without its question mark, of a variable beside others."""
+    return _free(legal_name(name), {other.lower() for other in taken})
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """The name, or with the first number from 2 that makes it free; `taken` are in lower case."""
+    candidate, number = name, 1
+    while candidate.lower() in taken:
+        number += 1
+        candidate = f"{name}-{number}"
+    return candidate
 
 
 def legal_name(name: str) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from cdlc.backends.pddl.actions import Source
 from cdlc.backends.pddl.emit import PddlTask
 from crow.problem import World
+from crow.program import Type
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ def read_plan(text: str) -> list[tuple[int, str, tuple[str, ...]]]:
     Comments from `;` on and times before a step are dropped. Raises PlanFormatError.
     """
     steps = []
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.split("\n"), 1):
         content = re.sub(r"^\s*\d+(\.\d+)?\s*:", "", line.split(";")[0]).strip()
         content = re.sub(r"\[[\d.]+\]\s*$", "", content).strip()
         if not content:
@@ -57,30 +58,35 @@ def to_step(
     if len(arguments) != len(found.parameters):
         wanted = len(found.parameters)
         raise PlanFormatError(f"`{action}` takes {wanted} arguments, not {len(arguments)}", line)
-    objects = [_object(task, world, name, line) for name in arguments]
-    values = {p.name: o for p, o in zip(found.parameters, objects, strict=True)}
+    values = {
+        parameter.name: _object(task, world, name, parameter.type, line)
+        for parameter, name in zip(found.parameters, arguments, strict=True)
+    }
     first, *others = found.sources
-    return _transition(world, first, values, tuple(o.behavior for o in others))
+    return _transition(world, first, values, tuple(o.behavior for o in others), line)
 
 
-def _object(task: PddlTask, world: World, name: str, line: int) -> str:
-    origin = task.names.origin(name)
-    if origin is None or origin not in world.objects:
+def _object(task: PddlTask, world: World, name: str, type_: Type, line: int) -> str:
+    origin = task.names.origin("object", name)
+    if origin is None:
         raise PlanFormatError(f"no object `{name}` in the problem", line)
+    if not world.is_of(origin, type_):
+        own = world.objects[origin]
+        raise PlanFormatError(f"`{name}` is a `{own}`, not a `{type_}`", line)
     return origin
 
 
 def _transition(
-    world: World, source: Source, values: dict[str, str], also: tuple[str, ...]
+    world: World, source: Source, values: dict[str, str], also: tuple[str, ...], line: int
 ) -> PlannedTransition:
     behavior = world.behaviors[source.behavior]
     own: dict[str, str] = {}
     for variable, parameter in source.variables:
-        if parameter is not None:
-            own[variable] = values[parameter]
-    arguments = []
-    for declared in behavior.parameters:
-        # The transition does not depend on it, so any object of its type does.
-        default = next(iter(world.objects_of(declared.type)), "")
-        arguments.append(own.pop(declared.name, default))
-    return PlannedTransition(behavior.name, tuple(arguments), own, also)
+        # What the transition does not depend on may be any object of its type.
+        objects = (values[parameter],) if parameter else world.objects_of(variable.type)
+        if not objects:
+            needed = f"`{behavior.name}` needs an object of type `{variable.type}`"
+            raise PlanFormatError(f"{needed}, and there is none", line)
+        own[variable.name] = objects[0]
+    arguments = tuple(own.pop(parameter.name) for parameter in behavior.parameters)
+    return PlannedTransition(behavior.name, arguments, own, also)

@@ -2,7 +2,7 @@
 
 from cdlc.backends.engines import EngineStatus, solve
 from cdlc.backends.pddl.emit import PddlTask
-from cdlc.backends.pddl.plans import PlannedTransition, to_step
+from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, to_step
 from crow.plan import Result, Step
 from crow.problem import Problem, State, World
 from crow.replay import replay_to_goal
@@ -30,6 +30,8 @@ def solve_task(
     and InvalidPlan when the engine's plan does not replay.
     """
     assert task.problem is not None
+    if task.is_hopeless:
+        return Result("unsolvable", engine)
     solved = solve(
         task.domain,
         task.problem,
@@ -40,10 +42,13 @@ def solve_task(
     statistics = {"seconds": round(solved.seconds, 3)}
     if solved.status is not EngineStatus.PLAN:
         return Result(str(solved.status), engine, statistics=statistics)
-    planned = [
-        to_step(task, problem.world, step.action, step.arguments, number)
-        for number, step in enumerate(solved.steps, 1)
-    ]
+    try:
+        planned = [
+            to_step(task, problem.world, step.action, step.arguments, number)
+            for number, step in enumerate(solved.steps, 1)
+        ]
+    except PlanFormatError as error:
+        raise InvalidPlan(f"step {error.line}: {error}") from None
     steps, trace = run(problem, planned)
     return Result("plan", engine, steps, trace, float(len(steps)), statistics=statistics)
 
