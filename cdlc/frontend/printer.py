@@ -268,8 +268,10 @@ class _Printer:
 
     def _bind_where(self, level: int, node: syntax.Bind, start: int) -> None:
         """Inline if it fits, however it was written."""
+        line = self._simple(node)
+        assert line is not None
         assert node.condition is not None
-        line, at = self._annotated(node), node.condition.span.start
+        at = node.condition.span.start
         if self._is_short(level, line, start, at):
             self._line(level, line, start)
             return
@@ -280,14 +282,10 @@ class _Printer:
     def _bind_head(self, node: syntax.Bind) -> Doc:
         return concat(Text("bind ", node.span.start), typed_names(self.written, node.variables))
 
-    def _annotated(self, node: syntax.Statement) -> Doc:
-        doc = self._bare(node)
-        assert doc is not None
-        return concat(annotations(self.written, node.annotations), doc)
-
     def _simple(self, node: syntax.Statement) -> Doc | None:
         """A statement without a block on one line, None for one with a block."""
-        return None if self._bare(node) is None else self._annotated(node)
+        doc = self._bare(node)
+        return None if doc is None else concat(annotations(self.written, node.annotations), doc)
 
     def _bare(self, node: syntax.Statement) -> Doc | None:
         written, start = self.written, node.span.start
