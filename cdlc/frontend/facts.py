@@ -13,6 +13,7 @@ from lark import Token
 
 from cdlc.frontend import grammar, syntax
 from cdlc.frontend.build import integer_value
+from cdlc.frontend.layout import TAB
 from cdlc.source import Span
 
 FACTS = "FACTS"
@@ -133,7 +134,7 @@ class _Section:
         leading = _LEADING.match(self.text, position)
         assert leading is not None
         assert self.indentation is not None
-        return len(leading[0].expandtabs(8)) > self.indentation
+        return len(leading[0].expandtabs(TAB)) > self.indentation
 
     def _line(self, position: int) -> tuple[Node, int] | None:
         """A line that can be read, and where the next one starts."""

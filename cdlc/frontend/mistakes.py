@@ -33,9 +33,11 @@ _OTHER_HEADERS = {
 }  # fmt: skip
 _OTHER_SECTIONS = {
     "effect": "eff", "effects": "eff", "post": "eff", "postcondition": "eff", "achieves": "goal",
-    "precondition": "body", "preconditions": "body", "pre": "body", "plan": "body", "do": "body",
+    "plan": "body", "do": "body",
     "steps": "body", "input": "in", "inputs": "in", "output": "out", "outputs": "out",
 }  # fmt: skip
+_WITHOUT_VALUE = ("CONTROLLER", "BEHAVIOR", "ACTION", "GENERATOR")
+_PRECONDITIONS = ("pre", "precondition", "preconditions", "requires", "condition")
 _OTHER_WORDS = {
     "lambda": "name the function with `def f(x: T) -> T:` at the top level",
     "class": "`typedef T: object` defines a type",
@@ -171,6 +173,12 @@ def correct(wrong: Unexpected) -> Correction | None:
             return _instead(wrong, "COLON", ":", f"write `{_over_objects(wrong)}`")
         case "IF" if wrong.previous.type == "ELSE" and "COLON" in accepted:
             return _else_if(wrong)
+        case "PROMOTABLE" if wrong.previous.type in ("SEQUENTIAL", "UNORDERED", "ALTERNATIVE"):
+            hint = Help(f"write `promotable {wrong.previous}:`")
+            return Correction(wrong.diagnose(hint), (token, wrong.previous), offset=-1, length=2)
+        case _ if wrong.previous.type == "WHERE" and "COLON" in accepted:
+            colon = Token("COLON", ":", start_pos=token.start_pos)
+            return Correction(wrong.diagnose(Help("a colon follows `where`")), (colon, token))
         case "COLON" if accepted == {"IN"}:
             return _for_over_objects(wrong)
         case _ if wrong.is_first and token.isidentifier():
@@ -292,6 +300,8 @@ def _expected(wrong: Unexpected) -> str:
 
 def _hint(wrong: Unexpected) -> str | None:
     token = wrong.token
+    if wrong.token.startswith("->") and wrong.line.tokens[0].type in _WITHOUT_VALUE:
+        return "only features and functions have a value"
     for word in (wrong.previous, token):
         if word in _OTHER_WORDS:
             return _OTHER_WORDS[word]
@@ -303,11 +313,13 @@ def _hint(wrong: Unexpected) -> str | None:
 
 
 def _hint_for_token(wrong: Unexpected) -> str | None:
-    token, previous = wrong.token, wrong.previous
+    token, previous, head = wrong.token, wrong.previous, wrong.line.tokens[0].type
     match token.type, previous.type:
         case (("FORALL" | "EXISTS"), _) if "INT" in wrong.accepted:
             return "a quantifier in the middle of an expression needs parentheses around it"
-        case "NAME", "NAME" if "COLON" in wrong.accepted and "COMMA" in wrong.accepted:
+        case "NAME", "NAME" if {"LPAR", "EQUAL"} <= wrong.accepted:
+            return "a cell is written `f[x] = e`, a new variable `let v = e`"
+        case "NAME", "NAME" if "COMMA" in wrong.accepted and head in HEADERS:
             return "a parameter is written `name: type`"
         case "FLOAT", "NAME":
             return "features are read as `f(x)` or `f[x]`, not as `x.f`"
@@ -315,7 +327,7 @@ def _hint_for_token(wrong: Unexpected) -> str | None:
             return "not equal is `!=`"
         case "EQUAL", ("EQUALS" | "EQUAL"):
             return "compare with `==`"
-        case "COLON", "RPAR" if wrong.line.tokens[0].type in ("FEATURE", "CONTROLLER"):
+        case "COLON", "RPAR" if head == "FEATURE":
             return "the type of its value follows `->`"
         case (("PLUS" | "MINUS"), _) if wrong.following == token.type:
             return f"to count, write `f[x] {token}= 1`"
@@ -341,6 +353,8 @@ def _hint_for_line(wrong: Unexpected) -> str | None:
     """For a token that starts a line."""
     kind = wrong.token.type
     if wrong.wants_section and kind in STATEMENTS:
+        if wrong.token in _PRECONDITIONS:
+            return "a precondition is an `assert` in the `body:`"
         return "statements stand under `body:`, assignments to features under `eff:`"
     if wrong.wants_header and kind in STATEMENTS - {"NAME"}:
         return "statements stand in the `body:` of a behavior"
@@ -349,12 +363,16 @@ def _hint_for_line(wrong: Unexpected) -> str | None:
     match kind:
         case "ELIF" | "ELSE":
             return f"there is no `if` right before this `{wrong.token}`"
-        case _ if kind in HEADERS and "NAME" not in wrong.accepted and wrong.wants_section:
-            return f"a `{wrong.token}` stands at the top level of a file, without indentation"
+        case "NOT":
+            return "to make it false: `f[x] = False`; to require it: `assert not f(x)`"
         case "DEF":
             return "a `def` stands at the top level of a file"
+        case "DOUBLE_SLASH" | "SLASH":
+            return "comments start with `#`"
         case "LPAR" if wrong.wants_header:
             return "this looks like PDDL; `cdlc import` translates it"
+        case _ if kind in HEADERS and wrong.wants_section:
+            return f"a `{wrong.token}` stands at the top level of a file, without indentation"
         case _:
             return None
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from lark import Token, UnexpectedToken
 
-from cdlc.diagnostics import Collector
+from cdlc.diagnostics import Collector, Help
 from cdlc.frontend import errors, facts, grammar, syntax
 from cdlc.frontend.build import string_value, token_span
 from cdlc.frontend.depth import MAX_DEPTH, too_deep
@@ -224,6 +224,8 @@ class _Reader:
             return self._supply_block(wrong.stream[wrong.index - 1][1], lines)
         if wrong.token.type == "_INDENT":
             return self._lift_block(wrong, lines)
+        if self._is_behavior(wrong, lines):
+            return True
         if (correction := correct(wrong)) is not None:
             self.found.add(correction.diagnostic)
             at = line.tokens.index(wrong.token) + correction.offset
@@ -231,6 +233,15 @@ class _Reader:
             return True
         report(wrong, self.found)
         return self._break(wrong, lines)
+
+    def _is_behavior(self, wrong: Unexpected, lines: list[Line]) -> bool:
+        """Take a `def` with sections for a behavior."""
+        word = lines[0].tokens[0]
+        if word.type != "DEF" or not _is_section(wrong.line) or wrong.token.type != "COLON":
+            return False
+        self.found.add(wrong.diagnose(Help("sections belong to a `behavior`, not to a `def`")))
+        lines[0].tokens[0] = Token("BEHAVIOR", "behavior", start_pos=word.start_pos)
+        return True
 
     def _supply_colon(self, line: Line) -> bool:
         end = Span(line.span.end, line.span.end)
@@ -243,7 +254,8 @@ class _Reader:
         self.found.add(errors.ExpectedBlock(location=self.source.location(owner.span)))
         if owner is lines[0] and owner.tokens[0].type in _HAVE_SECTIONS:
             while self.pending and _is_section(self.pending[0][0]):
-                owner.block.extend(self.pending.popleft())
+                for line in self.pending.popleft():
+                    owner.block.extend(_with_sections(line))
         elif owner is not lines[0] and owner.tokens[0].type in _SECTION_BLOCKS:
             siblings = _siblings(owner, lines)
             at = siblings.index(owner) + 1
@@ -354,6 +366,14 @@ def _may_be_deep(lines: list[Line]) -> bool:
         deepest = max(deepest, len(line.tokens) + line.level)
         conditions += line.tokens[0].type == "ELIF"
     return deepest + conditions > MAX_DEPTH
+
+
+def _with_sections(line: Line) -> list[Line]:
+    """A section, with those that were indented under it by mistake beside it."""
+    if len(line.tokens) > 2 and line.block and _is_section(line.block[0]):
+        under, line.block = line.block, []
+        return [line, *under]
+    return [line]
 
 
 def _siblings(line: Line, lines: list[Line]) -> list[Line]:

@@ -96,6 +96,30 @@ CASES: dict[str, tuple[str, list[tuple[int, str]]]] = {
         HEAD + "behavior r(x: block):\ngoal: f(x)\neff:\n  f[x] = True\n",
         [(5, "expected-block")],
     ),
+    "behavior without indentation, sections with": (
+        HEAD + "behavior r(x: block):\ngoal: f(x)\n  body:\n    achieve q(x)\n",
+        [(5, "expected-block"), (8, "unknown-feature")],
+    ),
+    "def with sections": (
+        behavior("achieve q(x)").replace("behavior", "def"),
+        [(6, "syntax-error"), (8, "unknown-feature")],
+    ),
+    "precondition before body": (
+        behavior().replace("  body:", "  precondition: f(x)\n  body:"),
+        [(7, "syntax-error")],
+    ),
+    "where without colon": (
+        behavior("bind y: block where q(y)\nachieve f(y)"),
+        [(8, "syntax-error"), (8, "unknown-feature")],
+    ),
+    "sequential promotable": (
+        behavior("sequential promotable:\n  achieve q(x)"),
+        [(8, "syntax-error"), (9, "unknown-feature")],
+    ),
+    "a tab in a line among spaces": (
+        behavior().replace("    assert f(x)", "\tassert f(x)\n    assert q(x)"),
+        [(8, "tab-in-indentation"), (9, "unknown-feature")],
+    ),
     "behavior at the end": (HEAD + "behavior r(x: block):", [(5, "expected-block")]),
     "if without block": (behavior("if f(x):\nassert f(x)"), [(8, "expected-block")]),
     "stray text": (
@@ -242,7 +266,14 @@ def test_every_mistake_is_reported_once_and_in_order(name: str) -> None:
 
 HINTS = {
     behavior().replace("eff:", "effect:"): "did you mean `eff`?",
-    behavior().replace("body:", "precondition:"): "did you mean `body`?",
+    behavior().replace("body:", "precondition:"): "a precondition is an `assert` in the `body:`",
+    behavior("not f(x)"): "to make it false: `f[x] = False`; to require it: `assert not f(x)`",
+    behavior("bind y: block where f(y)\nachieve f(y)"): "a colon follows `where`",
+    behavior("sequential promotable:\n  achieve f(x)"): "write `promotable sequential:`",
+    behavior().replace("behavior", "def"): "sections belong to a `behavior`, not to a `def`",
+    behavior("block y = x"): "a cell is written `f[x] = e`, a new variable `let v = e`",
+    "// comment\nfeature f()\n": "comments start with `#`",
+    "controller c(x: object) -> bool\n": "only features and functions have a value",
     behavior().replace("behavior", "behaviour"): "did you mean `behavior`?",
     "function f(x: object)\n": "did you mean `def`?",
     "predicate f(x: object)\n": "did you mean `feature`?",

@@ -29,6 +29,7 @@ def blocks(count: int, header: str = "if f(x):") -> str:
     return behavior("\n    ".join(lines))
 
 
+# The limits are many times what is needed: they tell a slow machine from an endless computation.
 def timed(limit: float, check: Callable[[], Checked]) -> Checked:
     start = time.process_time()
     checked = check()
@@ -154,7 +155,7 @@ def test_numbers_of_any_length() -> None:
 
 def test_a_huge_string() -> None:
     for text in ("a" * 900_000, "\\" * 900_000, "\\x" * 100_000):
-        checked = timed(2, lambda text=text: check_text(behavior(f'assert g(x) == "{text}"')))
+        checked = timed(5, lambda text=text: check_text(behavior(f'assert g(x) == "{text}"')))
         assert checked.codes == ["not-comparable"]
         assert len(checked.text) < 1_000
 
