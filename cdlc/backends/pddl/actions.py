@@ -20,7 +20,7 @@ from cdlc.backends.pddl.conditions import (
 )
 from cdlc.backends.pddl.names import Names, variable_name
 from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.pool import Pool, free_variables
+from cdlc.ir.pool import Pool
 from cdlc.ir.symbolic import Executor, Update
 from crow.program import BOOL, And, Expression, Parameter, Program, Read, Type, Variable
 from crow.program.types import is_object
@@ -102,18 +102,19 @@ def _orders(model: Model, triple: Triple) -> Iterator[_Ordered]:
 
     Those of the calls come first, as they stand there.
     """
-    called = _variables(argument for call in triple.calls for argument in call.arguments)
+    called = _variables((a for call in triple.calls for a in call.arguments), model.pool)
     formulas = (e for u in triple.post for e in (*u.arguments, u.value, u.guard))
-    used = {*called, *_variables((*triple.pre, *formulas))}
+    used = {*called, *_variables((*triple.pre, *formulas), model.pool)}
     others = [p.name for p in triple.parameters if p.name in used and p.name not in called]
     for other in permutations(others) if len(others) <= _MOST_ORDERED else [tuple(others)]:
         order = (*called, *other)
         yield _Ordered(triple, order, _key(model, triple, order))
 
 
-def _variables(expressions: Iterable[Expression]) -> tuple[str, ...]:
+def _variables(expressions: Iterable[Expression], pool: Pool) -> tuple[str, ...]:
     """Free variables, each where it first stands."""
-    return tuple(dict.fromkeys(name for e in expressions for name in sorted(free_variables(e))))
+    free = pool.free_variables
+    return tuple(dict.fromkeys(name for e in expressions for name in sorted(free(e))))
 
 
 def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
