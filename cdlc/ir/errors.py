@@ -44,11 +44,15 @@ class NoHoareModel(Diagnostic):
     """A behavior that this version cannot turn into precondition and effect.
 
         behavior drain(x: tank):
+          body:
+            do turn(x)
+            achieve open(x)
           eff:
-            foreach p: pipe: open[p] = False
+            open[x] = True
 
-    Straight-line effects with Boolean features have a model; `check` and `simulate` take every
-    effect.
+    A triple is one transition, so what is achieved after a controller call, or after a `let` that
+    reads the state, is not part of it; nor are `bind`s of values. `check` and `simulate` take every
+    behavior. Achieve first, or split the behavior in two.
     """
 
     construct: str
