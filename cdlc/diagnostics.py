@@ -45,7 +45,7 @@ class Help:
     replacement: Replacement | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Diagnostic:
     """One problem in the input, at one place."""
 
@@ -59,6 +59,9 @@ class Diagnostic:
         super().__init_subclass__()
         cls.code = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__.rstrip("_")).lower()
         Diagnostic.kinds[cls.code] = cls
+
+    def __repr__(self) -> str:
+        return f"<{self.code} at {self.location}>"
 
     def message(self) -> str:
         """The problem in one line."""
@@ -85,7 +88,7 @@ class Diagnostic:
         return None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Lint(Diagnostic):
     """A problem that does not stop the pipeline."""
 

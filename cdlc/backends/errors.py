@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from cdlc.diagnostics import Diagnostic
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NoInitialValue(Diagnostic):
     """An `init` that cannot be computed: an unset value is read, or a number does not fit.
 
@@ -21,7 +21,7 @@ class NoInitialValue(Diagnostic):
         return f"the initial state cannot be computed: {self.reason}"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotInPddl(Diagnostic):
     """Something that PDDL, or this version's PDDL, has no form for.
 

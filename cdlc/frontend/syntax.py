@@ -4,20 +4,33 @@ Names are not resolved and sugar is kept, so that the formatter can print a file
 offsets into the file the node was read from and do not count for equality.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Literal as OneOf
 
 from cdlc.source import Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
 class Node:
     """What every node carries."""
 
-    span: Span = field(compare=False, repr=False)
+    span: Span = field(compare=False)
+
+    # Written once instead of compiled for each class, which was half the time of importing them.
+    def __repr__(self) -> str:
+        shown = (f"{f.name}={getattr(self, f.name)!r}" for f in fields(self) if f.compare)
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and all(
+            getattr(self, f.name) == getattr(other, f.name) for f in fields(self) if f.compare
+        )
+
+    def __hash__(self) -> int:
+        return hash((type(self), *(getattr(self, f.name) for f in fields(self) if f.compare)))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Name(Node):
     """An identifier."""
 
@@ -27,14 +40,14 @@ class Name(Node):
 # ------------------------------------------------------------------------------------------- types
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class NamedType(Node):
     """`T`."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class VectorType(Node):
     """`vector[T]`, `vector[T, n]` or `vector[T; n]`."""
 
@@ -43,7 +56,7 @@ class VectorType(Node):
     length: int | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ListType(Node):
     """`T[]`."""
 
@@ -56,21 +69,21 @@ Type = NamedType | VectorType | ListType
 # ------------------------------------------------------------------------------------- expressions
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Literal(Node):
     """A bool, number or string."""
 
     value: bool | int | float | str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class NameExpression(Node):
     """A name on its own."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Call(Node):
     """`f(a, …)`, or `f[a, …]` when `bracketed`."""
 
@@ -79,19 +92,19 @@ class Call(Node):
     bracketed: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Ellipsis_(Node):  # noqa: N801 - `Ellipsis` is a builtin
     """`...` among the arguments."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class VectorLiteral(Node):
     """`[e, …]`."""
 
     elements: tuple["Expression", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Unary(Node):
     """`not e` or `-e`."""
 
@@ -99,7 +112,7 @@ class Unary(Node):
     operand: "Expression"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Connective(Node):
     """`a and b and …` or `a or b or …`."""
 
@@ -107,7 +120,7 @@ class Connective(Node):
     operands: tuple["Expression", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Binary(Node):
     """Arithmetic, or `^`."""
 
@@ -116,7 +129,7 @@ class Binary(Node):
     right: "Expression"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Comparison(Node):
     """`a < b <= …`: one operand more than operators."""
 
@@ -124,7 +137,7 @@ class Comparison(Node):
     operands: tuple["Expression", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Conditional(Node):
     """`then if condition else otherwise`."""
 
@@ -133,7 +146,7 @@ class Conditional(Node):
     otherwise: "Expression"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class TypedName(Node):
     """A declared name; in lists like `x, y: T` the type of `x` is None."""
 
@@ -141,7 +154,7 @@ class TypedName(Node):
     type: Type | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Quantified(Node):
     """`forall x: T where c: e` or `exists …`."""
 
@@ -151,7 +164,7 @@ class Quantified(Node):
     body: "Expression"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ErrorExpression(Node):
     """Stands where an expression could not be read."""
 
@@ -175,7 +188,7 @@ Expression = (
 # -------------------------------------------------------------------------------------- statements
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Annotation(Node):
     """`[[name]]` or `[[name=value]]`."""
 
@@ -183,14 +196,14 @@ class Annotation(Node):
     value: "Literal | Name | None"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
 class Annotated(Node):
     """A node that annotations can stand before."""
 
     annotations: tuple[Annotation, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Let(Annotated):
     """`let v: T = e`."""
 
@@ -199,14 +212,14 @@ class Let(Annotated):
     value: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Assert(Annotated):
     """`assert e`."""
 
     condition: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Achieve(Annotated):
     """`achieve e` or `achieve_once e`."""
 
@@ -214,7 +227,7 @@ class Achieve(Annotated):
     once: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class CallStatement(Annotated):
     """`do c(…)` or `c(…)`."""
 
@@ -222,7 +235,7 @@ class CallStatement(Annotated):
     has_do: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Assignment(Annotated):
     """`v = e`, `f[a, …] = e`, and with `+=` and the like."""
 
@@ -231,7 +244,7 @@ class Assignment(Annotated):
     value: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Bind(Annotated):
     """`bind v: T`, then `where: e`, `: e`, `= e`, or nothing; `form` says which was written."""
 
@@ -240,21 +253,21 @@ class Bind(Annotated):
     condition: Expression | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Word(Annotated):
     """`commit`, `break`, `continue` or `pass`."""
 
     word: OneOf["commit", "break", "continue", "pass"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Return(Annotated):
     """`return e`."""
 
     value: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Group(Annotated):
     """`sequential:`, `unordered:` or `alternative:`."""
 
@@ -262,7 +275,7 @@ class Group(Annotated):
     body: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Promotable(Annotated):
     """`promotable:`, with an order or without."""
 
@@ -270,7 +283,7 @@ class Promotable(Annotated):
     body: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ForEach(Annotated):
     """`foreach o: T:`, `forall o: T:` or `for each o: T:` as a statement."""
 
@@ -278,7 +291,7 @@ class ForEach(Annotated):
     body: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ForRange(Annotated):
     """`for i in range(…):`."""
 
@@ -288,7 +301,7 @@ class ForRange(Annotated):
     body: tuple["Statement", ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class If(Annotated):
     """`if`, `elif`s and `else`: conditions with blocks; `otherwise` is None without `else`."""
 
@@ -296,7 +309,7 @@ class If(Annotated):
     otherwise: tuple["Statement", ...] | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ErrorStatement(Annotated):
     """Stands where a statement, section or definition could not be read."""
 
@@ -322,7 +335,7 @@ Statement = (
 # ------------------------------------------------------------------------------------- definitions
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Title(Node):
     """`domain "name"`, `problem "name"`, or, in a problem file, `domain "path.cdl"`."""
 
@@ -330,14 +343,14 @@ class Title(Node):
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Include(Node):
     """`include "file.cdl"`."""
 
     path: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class TypeDefinition(Annotated):
     """`typedef T: base`."""
 
@@ -345,7 +358,7 @@ class TypeDefinition(Annotated):
     base: Type | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ObjectConstant(Annotated):
     """`object_constant a, b: T`."""
 
@@ -353,7 +366,7 @@ class ObjectConstant(Annotated):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Feature(Annotated):
     """`feature f(…) -> T`."""
 
@@ -362,7 +375,7 @@ class Feature(Annotated):
     type: Type | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Function(Annotated):
     """`def f(…) -> T`, with a body or without."""
 
@@ -372,7 +385,7 @@ class Function(Annotated):
     body: tuple[Statement, ...] | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Goal(Node):
     """`goal: e`; `goal: l = r` keeps the right side apart."""
 
@@ -380,21 +393,21 @@ class Goal(Node):
     equals: Expression | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Body(Node):
     """`body:`."""
 
     statements: tuple[Statement, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Effect(Node):
     """`eff:`."""
 
     statements: tuple[Statement, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Direction(Node):
     """`in: x, y` or `out: z` of a generator."""
 
@@ -405,7 +418,7 @@ class Direction(Node):
 Section = Goal | Body | Effect | Direction | ErrorStatement
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Procedure(Annotated):
     """`controller`, `behavior` (or `action`) or `generator`: a name with sections."""
 
@@ -415,7 +428,7 @@ class Procedure(Annotated):
     sections: tuple[Section, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class ObjectsLine(Node):
     """`A, B: block`."""
 
@@ -423,21 +436,21 @@ class ObjectsLine(Node):
     type: Type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Objects(Node):
     """`objects:` of a problem file."""
 
     lines: tuple[ObjectsLine | ErrorStatement, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Init(Node):
     """`init:` of a problem file."""
 
     statements: tuple[Statement, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Minimize(Node):
     """`minimize: e` of a problem file."""
 
@@ -460,7 +473,7 @@ Definition = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Module(Node):
     """One file."""
 

@@ -6,7 +6,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label, Lint
 from crow.program import Location, Type
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class GoalNotEstablished(Lint):
     """A behavior whose effect does not make its goal true.
 
@@ -39,7 +39,7 @@ class GoalNotEstablished(Lint):
         return () if self.suggestion is None else (Help(f"did you mean `{self.suggestion}`?"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NoHoareModel(Diagnostic):
     """A behavior that this version cannot turn into precondition and effect.
 
@@ -65,7 +65,7 @@ class NoHoareModel(Diagnostic):
         return f"in `{self.behavior}`"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnmatchedAchieve(Lint):
     """Something to achieve that no behavior has as its goal.
 
@@ -95,7 +95,7 @@ class UnmatchedAchieve(Lint):
         return (Help("write `assert` if it must be true here, or a behavior with this goal"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnreachableBehavior(Lint):
     """A behavior without a goal that no other behavior calls.
 
@@ -116,7 +116,7 @@ class UnreachableBehavior(Lint):
         return "it has no goal, and nothing that is reached calls it"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnmodelledController(Lint):
     """A controller whose effect nothing describes.
 
@@ -145,7 +145,7 @@ class UnmodelledController(Lint):
         return (Help("give the controller an `eff:` section (`eff: pass` if nothing changes)"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnmatchedGenerator(Lint):
     """A generator whose goal is a constraint that the program never states.
 
@@ -166,7 +166,7 @@ class UnmatchedGenerator(Lint):
         return "stated nowhere in the program"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MissingGenerator(Lint):
     """A bound variable of a value type that no generator can give a value.
 
@@ -189,7 +189,7 @@ class MissingGenerator(Lint):
         return (Help(f"write a `generator` for its condition with `out: {self.variable}`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class ConstantCondition(Lint):
     """A condition that is the same in every state.
 
@@ -205,7 +205,7 @@ class ConstantCondition(Lint):
         return f"this condition is always {str(self.value).lower()}"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnusedParameter(Lint):
     """A parameter that its behavior or function never mentions.
 
@@ -225,7 +225,7 @@ class UnusedParameter(Lint):
         return (Help(f"remove it, or call it `_{self.name}`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnusedVariable(Lint):
     """A `let` or `bind` whose variable is never used.
 
@@ -243,7 +243,7 @@ class UnusedVariable(Lint):
         return (Help(f"remove it, or call it `_{self.name}`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnusedDefinition(Lint):
     """A feature, derived function, controller or type that nothing uses.
 

@@ -6,7 +6,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label
 from crow.program import Location
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class BadStep(Diagnostic):
     """A step of a plan, or of `simulate`, that is no call of the program.
 
@@ -25,7 +25,7 @@ class BadStep(Diagnostic):
         return self.hints
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class StepFailed(Diagnostic):
     """A step whose behavior cannot be applied in the state it is reached in.
 
@@ -51,7 +51,7 @@ class StepFailed(Diagnostic):
         return () if self.where is None else (Label(self.where, "the condition"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class OpenChoice(Diagnostic):
     """A step whose `bind` the state does not determine.
 
@@ -74,7 +74,7 @@ class OpenChoice(Diagnostic):
         return (Help(f"name one: `{self.variable}={self.choices[0]}`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class BadPlan(Diagnostic):
     """A plan file that cannot be read.
 
@@ -89,7 +89,7 @@ class BadPlan(Diagnostic):
         return self.reason
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class OtherCalls(Diagnostic):
     """A plan whose controller calls are not those that its behaviors make.
 
@@ -106,7 +106,7 @@ class OtherCalls(Diagnostic):
         return f"`{self.behavior}` runs {self.expected}, the plan has {self.found}"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class GoalNotReached(Diagnostic):
     """A plan after whose last step the goal of the problem does not hold.
 

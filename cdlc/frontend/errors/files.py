@@ -7,7 +7,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label
 from crow.program import Location
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnreadableFile(Diagnostic):
     """A file that cannot be opened: it is missing, a directory, or not readable.
 
@@ -26,7 +26,7 @@ class UnreadableFile(Diagnostic):
         return () if self.wanted_by is None else (Label(self.wanted_by, "named here"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotText(Diagnostic):
     """A file that is no UTF-8 text, such as a picture or an archive.
 
@@ -39,7 +39,7 @@ class NotText(Diagnostic):
         return f"not a CDL text: {self.reason}"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class EmptyFile(Diagnostic):
     """A file without a single definition.
 
@@ -55,7 +55,7 @@ class EmptyFile(Diagnostic):
         return (Help('start with `typedef`, `feature` and `behavior`, or with `problem "name"`'),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class LineTooLong(Diagnostic):
     """A line of over a megabyte, which is a damaged or generated file.
 
@@ -68,7 +68,7 @@ class LineTooLong(Diagnostic):
         return f"a line of over {self.limit:,} characters"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class IncludeCycle(Diagnostic):
     """A file that includes itself, directly or through others.
 

@@ -7,7 +7,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label, Replacement
 from crow.program import Location
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class TabInIndentation(Diagnostic):
     """A tab before the first word of a line.
 
@@ -24,7 +24,7 @@ class TabInIndentation(Diagnostic):
         return (Help("indent with spaces", Replacement(self.location, spaces)),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class InconsistentIndentation(Diagnostic):
     """A line indented less than its block, but like no block around it.
 
@@ -45,7 +45,7 @@ class InconsistentIndentation(Diagnostic):
         return (Help(f"the blocks around it are indented by {levels} spaces"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnexpectedIndentation(Diagnostic):
     """A line indented deeper than the one before it, which opens no block.
 
@@ -62,7 +62,7 @@ class UnexpectedIndentation(Diagnostic):
         return "no block is opened before this line"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class ExpectedBlock(Diagnostic):
     """A line that ends in `:` without an indented block under it.
 
@@ -83,7 +83,7 @@ class ExpectedBlock(Diagnostic):
         return (Help("indent the block, or write `pass` for an empty one"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnclosedBracket(Diagnostic):
     """A bracket that is never closed; everything after it would belong to it.
 
@@ -103,7 +103,7 @@ class UnclosedBracket(Diagnostic):
         return (Help(f"add the matching `{self.closing}`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnmatchedBracket(Diagnostic):
     """A closing bracket that fits no open one.
 
@@ -122,7 +122,7 @@ class UnmatchedBracket(Diagnostic):
         return () if self.opened is None else (Label(self.opened, "this bracket is open"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NestingTooDeep(Diagnostic):
     """Brackets, blocks or expressions nested beyond what a person writes.
 

@@ -7,7 +7,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label, Lint
 from crow.program import Location
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class RangeNotConstant(Diagnostic):
     """A `range` whose bound is not known at compile time.
 
@@ -29,7 +29,7 @@ class RangeNotConstant(Diagnostic):
         return (Help("use a number, or `foreach o: T:` over objects"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnrollLimit(Diagnostic):
     """A `for` with more copies than can sensibly be written out.
 
@@ -58,7 +58,7 @@ class UnrollLimit(Diagnostic):
         return (Help("use fewer iterations, or arithmetic instead of a loop"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class OuterLocal(Diagnostic):
     """An assignment, inside `foreach`, to a local from outside.
 
@@ -82,7 +82,7 @@ class OuterLocal(Diagnostic):
         return () if self.first is None else (Label(self.first, "introduced here"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class OutsideLoop(Diagnostic):
     """A `break` or `continue` that belongs to no `for` of its iteration.
 
@@ -103,7 +103,7 @@ class OutsideLoop(Diagnostic):
         return "iterations of `foreach` are parallel" if self.in_foreach else ""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class WriteConflict(Diagnostic):
     """Iterations of a `foreach` that write different values to one cell.
 
@@ -144,7 +144,7 @@ class WriteConflict(Diagnostic):
         return (Help(f"index the cell by `{self.variable}`, or write it outside the `foreach`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class PossibleWriteConflict(Lint):
     """Iterations of a `foreach` that write one cell, each with a value of its own.
 
@@ -170,7 +170,7 @@ class PossibleWriteConflict(Lint):
         return (Help("write the cell once, with `exists`, `forall` or a conditional value"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MissingReturn(Diagnostic):
     """A `def` with a way through it that returns nothing.
 
@@ -187,7 +187,7 @@ class MissingReturn(Diagnostic):
         return f"`{self.name}` does not return on every path"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class ReturnInForeach(Diagnostic):
     """A `return` in a `foreach`, whose iterations are parallel: which of them would return?
 

@@ -18,7 +18,7 @@ _OTHER_LITERALS: dict[str, tuple[str | None, str]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnknownName(Diagnostic):
     """A name that nothing in scope has.
 
@@ -48,7 +48,7 @@ class UnknownName(Diagnostic):
         return suggest(self.name, list(self.known), self.location)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnknownFeature(UnknownName):
     """A read, write or call of a feature or function that is not defined.
 
@@ -60,7 +60,7 @@ class UnknownFeature(UnknownName):
     what: str = "feature or function"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnknownType(UnknownName):
     """A type that is neither built in nor defined by a `typedef`.
 
@@ -72,7 +72,7 @@ class UnknownType(UnknownName):
     what: str = "type"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnknownCommand(UnknownName):
     """A call of a controller or behavior that is not defined.
 
@@ -84,7 +84,7 @@ class UnknownCommand(UnknownName):
     what: str = "controller or behavior"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class DuplicateDefinition(Diagnostic):
     """Two definitions, objects or constants with one name.
 
@@ -108,7 +108,7 @@ class DuplicateDefinition(Diagnostic):
         return (Label(self.first, "first defined here"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class HidesDefinition(Diagnostic):
     """A parameter or local with the name of a definition or object.
 
@@ -131,7 +131,7 @@ class HidesDefinition(Diagnostic):
         return (Help("choose another name"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Shadowing(Lint):
     """A `bind` or `let` that takes the name of a parameter or of an earlier local.
 
@@ -153,7 +153,7 @@ class Shadowing(Lint):
         return () if self.first is None else (Label(self.first, "the earlier one"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class WrongKind(Diagnostic):
     """A name used as something it is not.
 
@@ -179,7 +179,7 @@ class WrongKind(Diagnostic):
         return (Help(self.advice),) if self.advice else ()
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnknownAnnotation(Lint):
     """An annotation that no part of the toolchain knows.
 
@@ -199,7 +199,7 @@ class UnknownAnnotation(Lint):
         return () if self.near is None else (Help(f"did you mean `{self.near}`?"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class BadAnnotation(Diagnostic):
     """A known annotation in the wrong place or with the wrong value.
 
@@ -221,7 +221,7 @@ class BadAnnotation(Diagnostic):
         return (Help(f"for example `{self.example}`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnknownPragma(Lint):
     """A `#!pragma` line; none is known, and the line is read as a comment.
 

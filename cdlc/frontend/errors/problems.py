@@ -6,7 +6,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label
 from crow.program import Location
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MissingPart(Diagnostic):
     """A problem file without one of its parts: its domain or its goal.
 
@@ -29,7 +29,7 @@ class MissingPart(Diagnostic):
         return (Help(f"add `{self.example}`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MisplacedPart(Diagnostic):
     """A part of a problem in a domain file.
 
@@ -49,7 +49,7 @@ class MisplacedPart(Diagnostic):
         return (Help('start the file with `problem "name"` and `domain "file.cdl"`'),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class OutOfBounds(Diagnostic):
     """An initial value outside the bounds of its feature.
 
@@ -79,7 +79,7 @@ class OutOfBounds(Diagnostic):
         return () if self.declared is None else (Label(self.declared, "declared here"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class WrongFileKind(Diagnostic):
     """A problem where a domain is wanted, or a domain where a problem is.
 

@@ -7,7 +7,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label, Replacement
 from crow.program import Location
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MisplacedStatement(Diagnostic):
     """A statement in a section that cannot hold it.
 
@@ -29,7 +29,7 @@ class MisplacedStatement(Diagnostic):
         return (Help(self.advice),) if self.advice else ()
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MisplacedPromotable(Diagnostic):
     """A second or nested `promotable:`.
 
@@ -49,7 +49,7 @@ class MisplacedPromotable(Diagnostic):
         return self.reason
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotPromotable(Diagnostic):
     """A statement that cannot be interleaved with others.
 
@@ -71,7 +71,7 @@ class NotPromotable(Diagnostic):
         return (Help(f"move it {self.move} the section"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class DuplicateSection(Diagnostic):
     """Two sections of one kind in a definition.
 
@@ -92,7 +92,7 @@ class DuplicateSection(Diagnostic):
         return (Label(self.first, "first here"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MisplacedSection(Diagnostic):
     """A section that this kind of definition does not have.
 
@@ -114,7 +114,7 @@ class MisplacedSection(Diagnostic):
         return (Help(f"it may have {', '.join(f'`{s}:`' for s in self.allowed)}"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnsupportedGoal(Diagnostic):
     """A behavior goal that is not one literal, one value equation or one comparison.
 
@@ -134,7 +134,7 @@ class UnsupportedGoal(Diagnostic):
         return (Help("a goal is `f(x)`, `not f(x)`, `f(x) == v` or a comparison of a feature"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class EqualsInGoal(Diagnostic):
     """A goal with `=` where a comparison is meant.
 
@@ -150,7 +150,7 @@ class EqualsInGoal(Diagnostic):
         return (Help("compare with `==`", Replacement(self.location, "==")),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class CallForIndex(Diagnostic):
     """An assignment to a call instead of to a cell.
 
@@ -168,7 +168,7 @@ class CallForIndex(Diagnostic):
         return (Help(f"write `{self.cell}`", Replacement(self.location, self.cell)),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotAssignable(Diagnostic):
     """An assignment to something that is no feature and no local variable.
 
@@ -184,7 +184,7 @@ class NotAssignable(Diagnostic):
         return f"cannot assign to the {self.is_a} `{self.name}`"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class RecursiveCall(Diagnostic):
     """A function or behavior that calls itself, directly or through others.
 
@@ -214,7 +214,7 @@ class RecursiveCall(Diagnostic):
         return (Help("functions cannot recur; behaviors recur through `achieve`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MissingSection(Diagnostic):
     """A generator without a section it needs.
 
@@ -231,7 +231,7 @@ class MissingSection(Diagnostic):
         return f"there is no `{self.section}:`"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class BadDirection(Diagnostic):
     """A parameter of a generator that is neither input nor output, or both.
 

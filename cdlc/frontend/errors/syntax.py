@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from cdlc.diagnostics import Diagnostic, Help, Replacement
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class SyntaxError_(Diagnostic):  # noqa: N801 - `SyntaxError` is a builtin
     """Text that the grammar does not allow at this place.
 
@@ -28,7 +28,7 @@ class SyntaxError_(Diagnostic):  # noqa: N801 - `SyntaxError` is a builtin
         return () if self.hint is None else (self.hint,)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MissingColon(Diagnostic):
     """A header whose block follows without the `:` that opens it.
 
@@ -67,7 +67,7 @@ _INSTEAD_OF_RESERVED = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class ReservedWord(Diagnostic):
     """A construct of the authors' implementation that is not part of this language yet.
 
@@ -88,7 +88,7 @@ class ReservedWord(Diagnostic):
         return (Help(_INSTEAD_OF_RESERVED[self.word]),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class WhileLoop(Diagnostic):
     """A loop whose length depends on the state.
 
@@ -113,7 +113,7 @@ class WhileLoop(Diagnostic):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Elision(Diagnostic):
     """`...` as it stands for omitted text in a paper.
 

@@ -7,7 +7,7 @@ from cdlc.diagnostics import Diagnostic, Help, Label, Replacement
 from crow.program import Location, Type
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class WrongArgumentCount(Diagnostic):
     """A call or read with more or fewer arguments than declared.
 
@@ -32,7 +32,7 @@ class WrongArgumentCount(Diagnostic):
         return () if self.declared is None else (Label(self.declared, "declared here"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class WrongArgumentType(Diagnostic):
     """An argument whose type is not that of the parameter.
 
@@ -63,7 +63,7 @@ class WrongArgumentType(Diagnostic):
         return (Help(f"did you mean `{self.fitting}`?", Replacement(self.location, self.fitting)),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class WrongType(Diagnostic):
     """A value of another type than its place wants.
 
@@ -88,7 +88,7 @@ class WrongType(Diagnostic):
         return (self.reason,) if self.reason else ()
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotComparable(Diagnostic):
     """A comparison of values that have nothing to compare.
 
@@ -106,7 +106,7 @@ class NotComparable(Diagnostic):
         return f"`{self.left}` and `{self.right}` do not compare by `{self.operator}`"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotAnObjectType(Diagnostic):
     """A quantifier, `foreach` or `objects:` line over a value type.
 
@@ -124,7 +124,7 @@ class NotAnObjectType(Diagnostic):
         return "only objects can be counted through"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class ValueIndex(Diagnostic):
     """A feature indexed by a value instead of objects.
 
@@ -158,7 +158,7 @@ class ValueIndex(Diagnostic):
         return (Help("introduce an object type for what it counts: `typedef T: object`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class TypeCycle(Diagnostic):
     """A `typedef` that is based on itself.
 
@@ -174,7 +174,7 @@ class TypeCycle(Diagnostic):
         return f"type is based on itself: {' → '.join(self.chain)}"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UninferableParameter(Diagnostic):
     """A parameter without a type that its uses do not decide.
 
@@ -199,7 +199,7 @@ class UninferableParameter(Diagnostic):
         return (Help(f"give its type: `{self.name}: T`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class MissingType(Diagnostic):
     """A parameter or variable whose type has to be given.
 
@@ -217,7 +217,7 @@ class MissingType(Diagnostic):
         return (Help(f"write `{self.name}: T`"),)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NumberTooLarge(Diagnostic):
     """A literal that its type cannot hold: int64 ends at 2**63 - 1, int32 at 2**31 - 1.
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from programs import task_of
-from support import BLOCKS
+from support import BLOCKS, ROOT
 
 from benchmarks.translator import TaskSize, TranslatorError, task_size
 from cdlc.backends.engines import installed
@@ -60,7 +60,7 @@ def test_the_misprint_is_not_merged_away() -> None:
 @needs_planner
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_task_is_no_larger_than_one_written_by_hand(problem: str) -> None:
-    by_hand = (HERE / "data" / "blocks.pddl").read_text()
+    by_hand = (ROOT / "benchmarks" / "handwritten" / "blocks.pddl").read_text()
     tasks = {program: blocks(program, problem) for program in PROGRAMS}
     # The three emit the same problem, but for the comment and the domain's name.
     text = re.sub(r"\(:domain [^)]*\)", "(:domain blocks)", tasks["blocks"].problem or "")
