@@ -1,5 +1,6 @@
 """Applying behaviors one after another, each effect statement by statement."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,17 +99,23 @@ def state_text(world: World, state: State) -> str:
     return "".join(lines)
 
 
-def _cells(world: World, state: State) -> list[tuple[str, Value, str]]:
-    cells = []
+def _cells(world: World, state: State) -> Iterator[tuple[str, Value, str]]:
+    """Cells with their values, and these as CDL writes them, in order of declaration."""
     for feature in world.program.features:
-        for arguments in world.cells(feature):
+        cells: Iterable[tuple[str, ...]] = world.cells(feature)
+        if is_boolean(feature.type):
+            # Few of a feature's cells are true, and it may have very many.
+            cells = _true_cells(world, state, feature.name)
+        for arguments in cells:
             value = state.cells.get((feature.name, arguments), default_value(feature.type))
-            if is_boolean(feature.type) and value is not True:
-                continue
             text = f"{feature.name}({', '.join(arguments)})"
-            written = "?" if value is None else shown(value, feature.type)
-            cells.append((text, value, written))
-    return cells
+            yield text, value, "?" if value is None else shown(value, feature.type)
+
+
+def _true_cells(world: World, state: State, feature: str) -> list[tuple[str, ...]]:
+    places = {name: index for index, name in enumerate(world.objects)}
+    true = [where for (name, where), value in state.cells.items() if name == feature and value]
+    return sorted(true, key=lambda where: [places[name] for name in where])
 
 
 def _plain(value: Value) -> Any:

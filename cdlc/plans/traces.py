@@ -1,25 +1,29 @@
 """Traces in a plan's JSON, read back so that every item can be replayed (semantics.md §1)."""
 
-from typing import Any
-
 from cdlc.diagnostics import Collector
 from cdlc.frontend import syntax
 from cdlc.frontend.check import CheckedDomain
 from cdlc.frontend.check_expressions import check_condition
 from cdlc.frontend.parser import parse
 from cdlc.frontend.scope import Context, Scope
+from cdlc.plans.values import WrongValueError, read_json
 from cdlc.source import SourceFile
 from crow.problem import World
 from crow.program import (
     BOOL,
     FLOAT64,
     INT64,
-    UNKNOWN,
+    STRING,
+    Behavior,
+    Bind,
+    Controller,
     Expression,
+    Let,
     Parameter,
     Type,
     VectorType,
 )
+from crow.program.walk import expressions_of, free_variables, statements_within
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
 from crow.values import Value
 
@@ -28,82 +32,116 @@ class TraceFormatError(ValueError):
     """A trace item that cannot be read; the message says which and why."""
 
 
-def read_trace(items: list[Any], domain: CheckedDomain, world: World) -> Trace:
+def read_trace(items: object, domain: CheckedDomain, world: World) -> Trace:
     """The items of a trace, their conditions parsed and checked against the domain.
 
     Raises TraceFormatError.
     """
+    if not isinstance(items, list):
+        raise TraceFormatError("the trace is no list")
     trace = []
     for number, item in enumerate(items, 1):
         try:
             trace.append(_item(item, domain, world))
-        except (KeyError, TypeError, AttributeError):
-            raise TraceFormatError(
-                f"item {number} of the trace is no `do`, `assert` or `eff`"
-            ) from None
-        except TraceFormatError as error:
+        except (TraceFormatError, WrongValueError) as error:
             raise TraceFormatError(f"item {number} of the trace: {error}") from None
+        except RecursionError:
+            raise TraceFormatError(f"item {number} of the trace is nested too deeply") from None
     return tuple(trace)
 
 
-def _item(item: dict[str, Any], domain: CheckedDomain, world: World) -> TraceItem:
+def _item(item: object, domain: CheckedDomain, world: World) -> TraceItem:
     match item:
         case {"do": str(name), "arguments": list(arguments)}:
-            return DoItem(name, tuple(map(_value, arguments)))
+            return _do(name, arguments, world)
         case {"assert": str(text), "variables": dict(variables)}:
-            values = {name: _value(value) for name, value in variables.items()}
-            return AssertItem(_condition(text, values, domain, world), values, text)
+            typed = {n: _typed(n, value, world) for n, value in variables.items()}
+            values = {name: value for name, (value, _) in typed.items()}
+            types = {name: type_ for name, (_, type_) in typed.items()}
+            return AssertItem(_condition(text, types, domain), values, text)
         case {"eff": str(owner), "variables": dict(variables)}:
-            values = {name: _value(value) for name, value in variables.items()}
-            return _effect(owner, values, world)
+            return _effect(owner, variables, world)
         case _:
-            raise TypeError
+            raise TraceFormatError("no `do`, `assert` or `eff`")
 
 
-def _effect(owner: str, values: dict[str, Value], world: World) -> EffItem:
+def _do(name: str, arguments: list[object], world: World) -> DoItem:
+    controller = world.controllers.get(name)
+    if controller is None:
+        raise TraceFormatError(f"no controller `{name}`")
+    if len(arguments) != len(controller.parameters):
+        wanted = len(controller.parameters)
+        raise TraceFormatError(f"`{name}` takes {wanted} arguments, not {len(arguments)}")
+    pairs = zip(arguments, controller.parameters, strict=True)
+    return DoItem(name, tuple(read_json(a, p.type, world) for a, p in pairs))
+
+
+def _effect(owner: str, variables: dict[str, object], world: World) -> EffItem:
     defined = world.behaviors.get(owner) or world.controllers.get(owner)
     if defined is None or defined.effect is None:
         raise TraceFormatError(f"`{owner}` has no effect")
-    missing = [p.name for p in defined.parameters if p.name not in values]
-    if missing:
-        raise TraceFormatError(f"no value for `{missing[0]}` of `{owner}`")
+    types = _visible(defined)
+    used = {
+        name
+        for statement in statements_within(defined.effect)
+        for expression in expressions_of(statement)
+        for name in free_variables(expression)
+    }
+    needed = {p.name for p in defined.parameters} | (used & types.keys())
+    for name in types:
+        if name in needed and name not in variables:
+            raise TraceFormatError(f"no value for `{name}` of `{owner}`")
+    values = {n: read_json(v, types[n], world) for n, v in variables.items() if n in types}
     return EffItem(owner, defined.effect, defined.parameters, values)
 
 
-def _condition(
-    text: str, values: dict[str, Value], domain: CheckedDomain, world: World
-) -> Expression:
+def _visible(owner: Behavior | Controller) -> dict[str, Type]:
+    """The variables that an effect sees: parameters, and what the body binds at its top level."""
+    types = {p.name: p.type for p in owner.parameters}
+    for statement in owner.body if isinstance(owner, Behavior) else ():
+        match statement:
+            case Bind(variables=variables):
+                types |= {v.name: v.type for v in variables}
+            case Let(variable=variable):
+                types[variable.name] = variable.type
+            case _:
+                pass
+    return types
+
+
+def _condition(text: str, variables: dict[str, Type], domain: CheckedDomain) -> Expression:
     """Parse a condition as the goal of a file of its own, and check it with typed variables."""
     found = Collector()
     source = SourceFile("<trace>", f"goal: {text}\n")
-    goals = [d for d in parse(source, found).definitions if isinstance(d, syntax.Goal)]
-    if len(goals) != 1 or found.has_errors:
-        raise TraceFormatError(f"`{text}` is no condition")
+    match parse(source, found).definitions:
+        case (syntax.Goal(condition=written, equals=None),) if not found.has_errors:
+            pass
+        case _:
+            raise TraceFormatError(f"`{text:.200}` is no condition")
     scope = Scope()
-    for name, value in values.items():
-        scope = scope.add(Parameter(name, _type_of(value, world)), "parameter")
-    context = Context(source, domain.declarations, found)
-    condition = check_condition(goals[0].condition, scope, context)
+    for name, type_ in variables.items():
+        scope = scope.add(Parameter(name, type_), "parameter")
+    condition = check_condition(written, scope, Context(source, domain.declarations, found))
     if found.has_errors:
-        raise TraceFormatError(f"`{text}`: {found.sorted()[0].message()}")
+        raise TraceFormatError(f"`{text:.200}`: {found.sorted()[0].message()}")
     return condition
 
 
-def _value(value: Any) -> Value:
-    return tuple(map(_value, value)) if isinstance(value, list) else value
-
-
-def _type_of(value: Value, world: World) -> Type:
+def _typed(name: str, value: object, world: World) -> tuple[Value, Type]:
+    """A value of no declared type, with the type it has by its looks."""
     match value:
         case str() if value in world.objects:
-            return world.objects[value]
+            type_: Type = world.objects[value]
         case bool():
-            return BOOL
+            type_ = BOOL
         case int():
-            return INT64
+            type_ = INT64
         case float():
-            return FLOAT64
-        case tuple():
-            return VectorType(FLOAT64, len(value))
+            type_ = FLOAT64
+        case str():
+            type_ = STRING
+        case list():
+            type_ = VectorType(FLOAT64, len(value))
         case _:
-            return UNKNOWN
+            raise TraceFormatError(f"`{name}` has no value of CDL")
+    return read_json(value, type_, world), type_

@@ -66,7 +66,7 @@ def digest() -> str:
 
 
 def test_the_text_is_the_same_in_every_process() -> None:
-    script = "import test_golden; print(test_golden.digest())"
+    script = "import test_pddl_golden; print(test_pddl_golden.digest())"
     folders = (HERE, HERE.parents[1], HERE.parents[2])
     for seed in ("1", "77"):
         environment = {
