@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from itertools import permutations
 
 from cdlc.ir.behaviors import body_of
-from cdlc.ir.pool import Level, Pool, in_order
+from cdlc.ir.graph import in_order
+from cdlc.ir.pool import Level, Pool
 from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables, leaving
 from crow.program import (
     Achieve,

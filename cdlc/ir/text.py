@@ -5,9 +5,9 @@ Text has no sharing: a formula whose graph is small may be endless as text, so t
 
 from collections.abc import Iterator, Mapping
 
+from cdlc.ir.graph import in_order, parts
 from cdlc.ir.hoare import Triple
 from cdlc.ir.names import shown_name
-from cdlc.ir.pool import in_order, parts
 from cdlc.ir.symbolic import NotModelled, Update
 from crow.program import (
     And,

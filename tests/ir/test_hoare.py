@@ -7,9 +7,9 @@ import pytest
 from programs import behavior_of, expression_of, program_of
 
 from cdlc.diagnostics import Collector
+from cdlc.ir.graph import size
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.model import triples as triples_of
-from cdlc.ir.pool import size
 from cdlc.ir.symbolic import NotModelled
 from cdlc.ir.text import hoare_text, sexpr
 from crow.program import Expression

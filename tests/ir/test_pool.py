@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from programs import program_of, start
 
-from cdlc.ir.pool import Level, Pool, size
+from cdlc.ir.graph import size
+from cdlc.ir.pool import Level, Pool
 from crow.evaluate import holds
 from crow.problem import State, World
 from crow.program import (

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 
 from cdlc.backends.pddl.names import Names, variable_name
+from cdlc.ir.graph import in_order
 from cdlc.ir.names import shown_name
-from cdlc.ir.pool import in_order
 from crow.program import (
     OBJECT,
     And,

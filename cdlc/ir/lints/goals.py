@@ -2,9 +2,9 @@
 
 from cdlc.diagnostics import Collector
 from cdlc.ir.errors import GoalNotEstablished
+from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.lints.subject import Subject
-from cdlc.ir.pool import in_order
 from cdlc.ir.symbolic import NotModelled, Update
 from crow.program import (
     Apply,
