@@ -60,8 +60,15 @@ class Diagnostic:
         cls.code = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__.rstrip("_")).lower()
         Diagnostic.kinds[cls.code] = cls
 
+    # Written once instead of compiled for each kind: that is a good part of start-up.
     def __repr__(self) -> str:
         return f"<{self.code} at {self.location}>"
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and vars(other) == vars(self)
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.location))
 
     def message(self) -> str:
         """The problem in one line."""
