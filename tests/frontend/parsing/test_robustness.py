@@ -13,7 +13,7 @@ import pytest
 from checking import Checked, check_file, check_text
 
 from cdlc.driver import CompileError, compilation
-from cdlc.frontend import loader
+from cdlc.frontend import facts, loader
 
 HEAD = "typedef T\nfeature f(x: T)\nfeature g(x: T) -> int64\ndef h(x: T) -> T\n"
 
@@ -29,11 +29,14 @@ def blocks(count: int, header: str = "if f(x):") -> str:
     return behavior("\n    ".join(lines))
 
 
-# The limits are many times what is needed: they tell a slow machine from an endless computation.
-def timed(limit: float, check: Callable[[], Checked]) -> Checked:
+# A hundred times what is needed: it tells a slow machine from an endless computation.
+ENDLESS = 60
+
+
+def soon(check: Callable[[], Checked]) -> Checked:
     start = time.process_time()
     checked = check()
-    assert time.process_time() - start < limit
+    assert time.process_time() - start < ENDLESS
     return checked
 
 
@@ -43,7 +46,7 @@ def timed(limit: float, check: Callable[[], Checked]) -> Checked:
 def test_ten_thousand_parentheses_are_refused_at_once() -> None:
     for closing in ("", ")" * 10_000):
         text = behavior("assert " + "(" * 10_000 + "f(x)" + closing)
-        assert timed(1, lambda text=text: check_text(text)).codes == ["nesting-too-deep"]
+        assert soon(lambda text=text: check_text(text)).codes == ["nesting-too-deep"]
 
 
 @pytest.mark.parametrize(("count", "codes"), [(999, []), (1_000, ["nesting-too-deep"])])
@@ -110,15 +113,15 @@ def test_what_follows_too_deep_blocks_is_still_read() -> None:
 def test_long_chains_of_types_are_diagnosed(order: int, end: str) -> None:
     chain = [*(f"typedef t{i}: t{i + 1}" for i in range(3_000)), f"typedef t3000{end}"]
     text = "\n".join([*chain[::order], "feature f(x: object) -> t0"])
-    assert set(timed(5, lambda: check_text(text)).codes) == {"nesting-too-deep"}
+    assert set(soon(lambda: check_text(text)).codes) == {"nesting-too-deep"}
 
 
 def test_long_chains_of_functions_are_fine() -> None:
     chain = [f"def f{i}(x: object) -> bool:\n  return f{i + 1}(x)\n" for i in range(1_000)]
     text = "".join([*chain, "def f1000(x: object) -> bool\n"])
-    assert timed(10, lambda: check_text(text)).codes == []
+    assert soon(lambda: check_text(text)).codes == []
     closed = text.replace("f1000(x: object) -> bool", "f1000(x: object) -> bool:\n  return f0(x)")
-    assert timed(10, lambda: check_text(closed)).codes == ["recursive-call"]
+    assert soon(lambda: check_text(closed)).codes == ["recursive-call"]
 
 
 def test_a_nearly_full_stack_is_no_crash() -> None:
@@ -133,29 +136,30 @@ def test_a_nearly_full_stack_is_no_crash() -> None:
 # ---------------------------------------------------------------------------------- sizes and texts
 
 
-def test_a_line_of_ten_megabytes_is_refused_at_once() -> None:
+def test_a_line_of_ten_megabytes_is_refused_before_it_is_lexed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(facts, "lex", None)
     for text in ("#" + "a" * 10_000_000, "feature f()\n" + "f(" * 5_000_000 + "\n"):
-        checked = timed(1, lambda text=text: check_text(text))
+        checked = soon(lambda text=text: check_text(text))
         assert checked.codes == ["line-too-long"]
-        start = time.process_time()
         assert len(checked.text) < 1_000
-        assert time.process_time() - start < 0.5
 
 
 def test_numbers_of_any_length() -> None:
     digits = "1" * 100_000
     for number in (digits, f"{digits}.5", f"-{digits}", f"1e{digits}"):
         text = behavior(f"assert g(x) == {number}")
-        checked = timed(2, lambda text=text: check_text(text))
+        checked = soon(lambda text=text: check_text(text))
         assert checked.codes == ["number-too-large"]
         assert len(checked.text) < 1_000
     for text in (f"typedef v: vector[float32, {digits}]\n", f"feature [[min=-{digits}]] f()\n"):
-        timed(2, lambda text=text: check_text(text))
+        soon(lambda text=text: check_text(text))
 
 
 def test_a_huge_string() -> None:
     for text in ("a" * 900_000, "\\" * 900_000, "\\x" * 100_000):
-        checked = timed(5, lambda text=text: check_text(behavior(f'assert g(x) == "{text}"')))
+        checked = soon(lambda text=text: check_text(behavior(f'assert g(x) == "{text}"')))
         assert checked.codes == ["not-comparable"]
         assert len(checked.text) < 1_000
 
@@ -233,7 +237,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="devices and pipes are files elsewhere only")
 def test_files_that_never_end_are_not_read(tmp_path: Path) -> None:
-    only(timed(1, lambda: check_file("/dev/zero")), "unreadable-file", "not a regular file")
+    only(soon(lambda: check_file("/dev/zero")), "unreadable-file", "not a regular file")
     pipe = tmp_path / "pipe.cdl"
     os.mkfifo(pipe)
     done: list[Checked] = []
@@ -333,7 +337,7 @@ def test_includes_that_double(tmp_path: Path) -> None:
         line = f'include "{i + 1}.cdl"\n'
         (tmp_path / f"{i}.cdl").write_text(line * 2)
     (tmp_path / "40.cdl").write_text("feature f()\n")
-    assert timed(5, lambda: check_file(tmp_path / "0.cdl")).codes == []
+    assert soon(lambda: check_file(tmp_path / "0.cdl")).codes == []
 
 
 def test_the_driver_raises_nothing_else(tmp_path: Path) -> None:
