@@ -1,4 +1,4 @@
-"""Random straight-line Boolean programs: text of a domain, and states and arguments for it."""
+"""Random Boolean programs: text of a domain, and states and arguments for it."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -112,7 +112,7 @@ def effects(
     lines: list[str] = []
     flags: tuple[str, ...] = ()
     for number in range(draw(st.integers(1, size))):
-        kind = draw(st.integers(0, 7))
+        kind = draw(st.integers(0, 9))
         value = draw(conditions(scope, flags, functions))
         if kind == 0:
             lines.append(f"let k{number} = {value}")
@@ -122,10 +122,51 @@ def effects(
         elif kind == 2 and "x" in scope:
             lines.append(f"let o{number} = x")
             scope = {**scope, f"o{number}": scope["x"]}
+        elif kind == 3:
+            lines += draw(branches(scope, flags, functions))
+        elif kind == 4:
+            lines += draw(loops(scope, flags, functions))
         else:
-            constant = draw(st.sampled_from(["True", "False", value]))
-            lines.append(f"{draw(cells(scope, '[]'))} = {constant}")
+            lines.append(draw(assignments(scope, value)))
     return lines
+
+
+@st.composite
+def assignments(draw: st.DrawFn, scope: dict[str, str], value: str) -> str:
+    """A write of a constant or of the value given."""
+    constant = draw(st.sampled_from(["True", "False", value]))
+    return f"{draw(cells(scope, '[]'))} = {constant}"
+
+
+@st.composite
+def branches(
+    draw: st.DrawFn, scope: dict[str, str], flags: tuple[str, ...], functions: tuple[str, ...]
+) -> list[str]:
+    """An `if`, perhaps with an `else`."""
+    condition, value = (draw(conditions(scope, flags, functions, 1)) for _ in range(2))
+    lines = [f"if {condition}:", f"  {draw(assignments(scope, value))}"]
+    if draw(st.booleans()):
+        lines += ["else:", f"  {draw(assignments(scope, value))}"]
+    return lines
+
+
+@st.composite
+def loops(
+    draw: st.DrawFn, scope: dict[str, str], flags: tuple[str, ...], functions: tuple[str, ...]
+) -> list[str]:
+    """A `foreach` whose iterations write cells of their own."""
+    name, type_ = draw(st.sampled_from([("z", "U"), ("x", "T")]))
+    inner = {**scope, name: type_}
+    others = [n for n, t in inner.items() if is_of(t, "T")]
+    other = draw(st.sampled_from(others))
+    usable = [f"p[{name}]", f"on[{name}, {other}]", f"on[{other}, {name}]"]
+    usable += [f"q[{name}]"] if is_of(type_, "U") else []
+    value = draw(st.sampled_from(["True", "False", draw(conditions(inner, flags, functions, 1))]))
+    write = f"{draw(st.sampled_from(usable))} = {value}"
+    lines = [f"foreach {name}: {type_}:"]
+    if draw(st.booleans()):
+        return [*lines, f"  if {draw(conditions(inner, flags, functions, 1))}: {write}"]
+    return [*lines, f"  {write}"]
 
 
 def _block(head: str, lines: list[str], indent: int) -> list[str]:
