@@ -8,7 +8,7 @@ import environment
 
 def main(arguments: list[str]) -> int:
     """Become pytest, so that its exit status and Ctrl-C are the user's."""
-    status = environment.main(["planners", "dev"])
+    status = environment.main(["planners", "verify", "dev"])
     if status == 0:
         python = environment.python_of(environment.ROOT / ".venv")
         os.chdir(environment.ROOT)
