@@ -1,7 +1,6 @@
 """The command line: arguments to driver calls to exit statuses (docs/reference/commands.md)."""
 
 import argparse
-import gc
 import json
 import os
 import signal
@@ -23,8 +22,6 @@ DONE, INPUT_ERRORS, USAGE, NO_PLAN, LIMIT, INTERRUPTED = 0, 1, 2, 3, 4, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `cdlc`; returns the exit status (interface.md)."""
     options = _parser().parse_args(arguments)
-    # Trees of large files have no cycles to collect; looking for them takes half of the time.
-    gc.set_threshold(100_000, 50, 50)
     signal.signal(signal.SIGTERM, _on_terminate)
     try:
         status: int = options.run(options)

@@ -7,7 +7,6 @@ page for `cdlc explain`. The code is the class name in kebab case and never chan
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from enum import StrEnum
 from typing import ClassVar
 
@@ -155,6 +154,8 @@ class Collector:
 
 def nearest(name: str, known: list[str]) -> str | None:
     """The known name most like `name`, ignoring case, or None when none is close."""
+    from difflib import get_close_matches  # which most runs do without
+
     by_folded = {candidate.lower(): candidate for candidate in reversed(known)}
     matches = get_close_matches(name.lower(), by_folded, n=1, cutoff=0.7)
     return by_folded[matches[0]] if matches else None

@@ -131,7 +131,7 @@ class Compilation:
         """The typed program, and the problem if there is one, as JSON."""
         import json
 
-        from crow.program import encode
+        from crow.program.codec import encode
 
         return json.dumps(encode(self.program, self.statement), indent=1) + "\n"
 

@@ -3,10 +3,12 @@
 import inspect
 
 import cdlc.backends.errors
-import cdlc.frontend.errors
 import cdlc.ir.errors
 import cdlc.plans.errors  # noqa: F401 - the modules register their kinds
 from cdlc.diagnostics import Diagnostic, nearest
+from cdlc.frontend import errors
+
+errors.load()
 
 
 def codes() -> tuple[str, ...]:

@@ -207,7 +207,7 @@ def _name(node: syntax.Expression, name: str, scope: Scope, context: Context) ->
 
 def _wrong_kind(
     node: syntax.Node, name: str, kind: str, wanted: str, context: Context
-) -> errors.WrongKind:
+) -> "errors.WrongKind":
     advice = {
         "function": f"call it: `{name}(…)`",
         "controller": f"controllers are run in a body: `do {name}(…)`",

@@ -125,7 +125,7 @@ class Unexpected:
         """Whether a section of a behavior may start here."""
         return {"GOAL", "BODY"} <= self.accepted and "NAME" not in self.accepted
 
-    def diagnose(self, help_: Help | None = None) -> errors.SyntaxError_:
+    def diagnose(self, help_: Help | None = None) -> "errors.SyntaxError_":
         """The complaint about the token."""
         span = token_span(self.token)
         if not self.token and self.line.tokens:  # a mark of the layout
@@ -146,7 +146,7 @@ class Unexpected:
 class Correction:
     """Tokens to read instead of `length` ones from `offset` relative to the wrong one."""
 
-    diagnostic: errors.SyntaxError_
+    diagnostic: "errors.SyntaxError_"
     tokens: tuple[Token, ...]
     offset: int = 0
     length: int = 1

@@ -12,11 +12,13 @@ from checking import Checked
 from conftest import Golden
 
 import cdlc.backends.errors
-import cdlc.frontend.errors
 import cdlc.ir.errors
 import cdlc.plans.errors  # noqa: F401 - for its kinds
 from cdlc.diagnostics import Diagnostic, Lint
 from cdlc.driver import CompileError, compilation
+from cdlc.frontend import errors
+
+errors.load()
 
 HERE = Path(__file__).parent
 FOLDERS = sorted(path.parent for path in HERE.glob("*/bad.cdl"))

@@ -10,7 +10,8 @@ from support import BLOCKS
 
 import cdlc
 from cdlc.ir.passes.expand_foreach import expand_foreach
-from crow.program import Behavior, Program, decode_problem, decode_program, encode
+from crow.program import Behavior, Program
+from crow.program.codec import decode_problem, decode_program, encode
 from crow.program.schema import schema
 
 FOLDER = Path(__file__).parent

@@ -4,7 +4,6 @@ One family of frozen nodes serves the whole pipeline, so that a program has one 
 with the runtime because a robot loads compiled programs without the compiler.
 """
 
-from crow.program.codec import ProgramFormatError, decode_problem, decode_program, encode
 from crow.program.definitions import (
     Behavior,
     Controller,
@@ -153,8 +152,4 @@ __all__ = [
     # places and JSON
     "Location",
     "Node",
-    "encode",
-    "decode_program",
-    "decode_problem",
-    "ProgramFormatError",
 ]
