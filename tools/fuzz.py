@@ -10,6 +10,7 @@ import json
 import multiprocessing
 import random
 import re
+import signal
 import sys
 import time
 import traceback
@@ -25,6 +26,7 @@ from cdlc.render import as_json, as_text
 ROOT = Path(__file__).resolve().parent.parent
 PATTERNS = ("examples/**/*.cdl", "tests/listings/**/*.cdl", "tests/errors/*/*.cdl")
 SLOW = 5.0
+ENDLESS = 120  # seconds of the clock
 LONGEST = 20_000
 TOKEN = re.compile(r"[A-Za-z_]\w*|\d+|\s+|\"[^\"\n]*\"|.", re.DOTALL)
 EXTRAS = [
@@ -210,10 +212,13 @@ def _spelled(terminal: str, rng: random.Random) -> str:
 def fault(data: bytes) -> str | None:
     """What is wrong with how the compiler takes an input, or None."""
     started = time.process_time()
+    signal.alarm(ENDLESS)
     try:
         _check(data)
     except Exception:  # noqa: BLE001 - any exception is what is looked for
         return traceback.format_exc()
+    finally:
+        signal.alarm(0)
     seconds = time.process_time() - started
     return f"took {seconds:.1f} s" if seconds > SLOW else None
 
@@ -258,8 +263,13 @@ def _inputs(seed: int) -> Iterator[bytes]:
         yield generated(rng) if rng.random() < 0.3 else mutated(rng)
 
 
+def _on_alarm(_number: int, _frame: object) -> None:
+    raise TimeoutError(f"no end after {ENDLESS} s")
+
+
 def _work(seed: int, seconds: float, most: int, folder: Path) -> tuple[int, int]:
     """Try inputs for a time; returns how many were tried and how many broke something."""
+    signal.signal(signal.SIGALRM, _on_alarm)
     end = time.monotonic() + seconds
     tried = broken = 0
     for tried, data in enumerate(_inputs(seed), 1):

@@ -163,7 +163,10 @@ def _report_not_assignable(target: syntax.Call, scope: Scope, context: Context) 
         context.found.add(errors.NotAssignable(location=location, name=name, is_a=kind))
         return
     known = [*declared.features, *scope]
-    context.found.add(errors.UnknownFeature(location=location, name=name, known=known))
+    is_bare = target.span == target.name.span
+    context.found.add(
+        errors.UnknownFeature(location=location, name=name, known=known, is_bare=is_bare)
+    )
 
 
 def _set_local(

@@ -15,6 +15,7 @@ from cdlc.frontend.scope import Context, Loop, Scope
 from cdlc.frontend.sections import Section, misplaced, report_misplaced
 from crow.program import (
     INT64,
+    UNKNOWN,
     Achieve,
     Assert,
     Break,
@@ -198,7 +199,8 @@ def _for_range(
     loop = Loop(context.location(node.span), copies(bounds))
     check_not_hiding(node.variable, context)
     location = context.location(node.variable.span)
-    variable = Parameter(node.variable.text, INT64, location=location)
+    type_ = INT64 if node.function.text == "range" else UNKNOWN
+    variable = Parameter(node.variable.text, type_, location=location)
     inner = introduce((variable,), "loop", scope.inside_for(loop), context)
     body = check_block(node.body, inner, section, context)
     return ForRange(variable, *bounds, body, location=context.location(node.span))

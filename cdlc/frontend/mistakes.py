@@ -36,6 +36,7 @@ _OTHER_SECTIONS = {
     "plan": "body", "do": "body",
     "steps": "body", "input": "in", "inputs": "in", "output": "out", "outputs": "out",
 }  # fmt: skip
+_WITH_PARAMETERS = ("FEATURE", "CONTROLLER", "BEHAVIOR", "DEF")
 _WITHOUT_VALUE = ("CONTROLLER", "BEHAVIOR", "ACTION", "GENERATOR")
 _PRECONDITIONS = ("pre", "precondition", "preconditions", "requires", "condition")
 _OTHER_WORDS = {
@@ -48,6 +49,7 @@ _OTHER_WORDS = {
     "del": "features are set to False: `f[x] = False`",
     "raise": "`assert` a condition that must hold",
     "is": "compare with `==`",
+    "such": "the condition of a `bind` follows a colon: `bind x: T where: c`",
     "->": "`a -> b` is `not a or b`",
     "implies": "`a implies b` is `not a or b`",
     "xor": "exclusive or is `^`",
@@ -161,6 +163,11 @@ def correct(wrong: Unexpected) -> Correction | None:
     match token.type:
         case "EQUAL" if "EQUALS" in accepted:
             return _instead(wrong, "EQUALS", "==", "compare with `==`")
+        case "EQUALS" if "EQUAL" in accepted:
+            return _instead(wrong, "EQUAL", "=", "assign with `=`")
+        case "COLON" if wrong.following == "EQUAL" and "EQUAL" in accepted:
+            sign = Token("EQUAL", "=", start_pos=token.start_pos)
+            return Correction(wrong.diagnose(Help("assign with `=`")), (sign,), length=2)
         case "FOREIGN" if _OPERATORS[token] in accepted:
             word = _OPERATORS[token].lower()
             return _instead(wrong, _OPERATORS[token], word, f"the operator is `{word}`")
@@ -306,35 +313,73 @@ def _hint(wrong: Unexpected) -> str | None:
         if word in _OTHER_WORDS:
             return _OTHER_WORDS[word]
     if token.type == "UNREADABLE":
-        return _hint_for_character(str(token))
+        return _hint_for_character(wrong)
     if wrong.is_first:
         return _hint_for_line(wrong)
     return _hint_for_token(wrong)
 
 
 def _hint_for_token(wrong: Unexpected) -> str | None:
+    return _hint_in_header(wrong) or _hint_in_expression(wrong) or _hint_in_statement(wrong)
+
+
+def _hint_in_header(wrong: Unexpected) -> str | None:
+    """For a token in the line that starts a definition."""
     token, previous, head = wrong.token, wrong.previous, wrong.line.tokens[0].type
-    match token.type, previous.type:
-        case (("FORALL" | "EXISTS"), _) if "INT" in wrong.accepted:
-            return "a quantifier in the middle of an expression needs parentheses around it"
-        case "NAME", "NAME" if {"LPAR", "EQUAL"} <= wrong.accepted:
-            return "a cell is written `f[x] = e`, a new variable `let v = e`"
-        case "NAME", "NAME" if "COMMA" in wrong.accepted and head in HEADERS:
+    match head, token.type, previous.type:
+        case "TYPEDEF", "COMMA", _:
+            return "each type has a line of its own"
+        case "TYPEDEF", "EQUAL", _:
+            return "a more special type is written `typedef T: object`"
+        case "FEATURE", "COLON", "RPAR":
+            return "the type of its value follows `->`"
+        case _, "NAME", "NAME" if head in HEADERS and "COMMA" in wrong.accepted:
             return "a parameter is written `name: type`"
+        case _, "_NEWLINE", "NAME" if head in _WITH_PARAMETERS and "LPAR" in wrong.accepted:
+            return f"without parameters it is `{wrong.line.tokens[0]} {previous}()`"
+        case _:
+            return None
+
+
+def _hint_in_expression(wrong: Unexpected) -> str | None:
+    """For a token where an expression stands, or has just ended."""
+    token, previous, head = wrong.token, wrong.previous, wrong.line.tokens[0].type
+    starts, ended = "INT" in wrong.accepted, "AND" in wrong.accepted
+    match token.type, previous.type:
+        case (("FORALL" | "EXISTS"), _) if starts:
+            return "a quantifier in the middle of an expression needs parentheses around it"
         case "FLOAT", "NAME":
             return "features are read as `f(x)` or `f[x]`, not as `x.f`"
         case "MORETHAN", "LESSTHAN":
             return "not equal is `!=`"
         case "EQUAL", ("EQUALS" | "EQUAL"):
             return "compare with `==`"
-        case "COLON", "RPAR" if head == "FEATURE":
-            return "the type of its value follows `->`"
         case (("PLUS" | "MINUS"), _) if wrong.following == token.type:
             return f"to count, write `f[x] {token}= 1`"
         case "NAME", "INT":
             return "numbers are decimal, without a unit or suffix"
-        case "COMMA", _ if "AND" in wrong.accepted:
+        case "COMMA", _ if head == "ASSERT" and wrong.following == "STRING":
+            return "`assert` has no message; a comment can say it: `# …`"
+        case "COMMA", _ if ended:
             return "join conditions with `and`"
+        case "LSQB", "RSQB":
+            return "all arguments stand in one pair of brackets: `f[x, y]`"
+        case "IN", _ if ended:
+            return "a type is no set: a variable over it is `exists x: T: c` or `forall x: T: c`"
+        case "FOR", _ if ended or "COMMA" in wrong.accepted:
+            return "`any(… for x in T)` is `exists x: T: …`, and `all(…)` is `forall x: T: …`"
+        case _:
+            return None
+
+
+def _hint_in_statement(wrong: Unexpected) -> str | None:
+    """For a token that the form of the statement does not have there."""
+    token, previous = wrong.token, wrong.previous
+    match token.type, previous.type:
+        case (("NAME" | "COLON"), "NAME") if {"LPAR", "EQUAL"} <= wrong.accepted:
+            return "a cell is written `f[x] = e`, a new variable `let v = e`"
+        case "BIND", "EQUAL":
+            return "`bind` introduces the variable itself: `bind x: T where: c`"
         case "EQUAL", "COLON":
             return "assignments are written `v = e`"
         case "_NEWLINE", "DO":
@@ -377,8 +422,13 @@ def _hint_for_line(wrong: Unexpected) -> str | None:
             return None
 
 
-def _hint_for_character(character: str) -> str | None:
+def _hint_for_character(wrong: Unexpected) -> str | None:
+    character = str(wrong.token)
     match character:
+        case "?" if "AND" in wrong.accepted:
+            return "a choice between two values is written `a if c else b`"
+        case "?":
+            return "variables are plain names; a parameter is written `name: type`"
         case "'":
             return "strings are written with double quotes and end on their line"
         case "{" | "}":

@@ -58,6 +58,14 @@ class UnknownFeature(UnknownName):
     """
 
     what: str = "feature or function"
+    is_bare: bool = False
+    """Whether it is assigned to like a variable, without brackets."""
+
+    def help(self) -> tuple[Help, ...]:
+        found = UnknownName.help(self)
+        if found or not self.is_bare:
+            return found
+        return (Help(f"a new variable is introduced by `let`: `let {self.name} = …`"),)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)

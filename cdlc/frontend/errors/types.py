@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cdlc.diagnostics import Diagnostic, Help, Label, Replacement
-from crow.program import Location, Type
+from crow.program import STRING, Location, ObjectType, Type
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
@@ -58,6 +58,8 @@ class WrongArgumentType(Diagnostic):
         return () if self.declared is None else (Label(self.declared, "declared here"),)
 
     def help(self) -> tuple[Help, ...]:
+        if self.fitting is None and self.found == STRING and isinstance(self.expected, ObjectType):
+            return (Help("objects are written as names, without quotes"),)
         if self.fitting is None:
             return ()
         return (Help(f"did you mean `{self.fitting}`?", Replacement(self.location, self.fitting)),)

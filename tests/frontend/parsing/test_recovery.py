@@ -235,7 +235,7 @@ CASES: dict[str, tuple[str, list[tuple[int, str]]]] = {
         ('problem "p"\ndomain "__empty__"\nobjects:\n  a, b object\n  c: object\ninit:\n'
          "  f[a = True\n  on(\n  g[a] == True\ngoal:\n  c == c\n"),
         [(4, "syntax-error"), (7, "unclosed-bracket"), (8, "unclosed-bracket"),
-         (9, "syntax-error")],
+         (9, "unknown-feature"), (9, "syntax-error")],
     ),
     "title without quotes": (
         "problem sussman\ndomain blocks\nobjects:\n  a: block\ninit:\n  f[a] = True\ngoal: f(a)\n",
@@ -306,6 +306,37 @@ HINTS = {
     behavior("assert f(x), f(x)"): "join conditions with `and`",
     behavior("assert g(x) ≤ 1"): "write `<=`",
     "(define (domain blocks))\n": "this looks like PDDL; `cdlc import` translates it",
+    behavior("for y in blocks:\n  pass"): (
+        "over the objects of a type: `foreach x: T:`; over numbers: `range(n)`"
+    ),
+    behavior("y = bind block"): "`bind` introduces the variable itself: `bind x: T where: c`",
+    behavior("bind y: block such that f(y)"): (
+        "the condition of a `bind` follows a colon: `bind x: T where: c`"
+    ),
+    "typedef a, b\n": "each type has a line of its own",
+    "typedef a = object\n": "a more special type is written `typedef T: object`",
+    "feature handempty\n": "without parameters it is `feature handempty()`",
+    "feature clear(?x - block)\n": (
+        "variables are plain names; a parameter is written `name: type`"
+    ),
+    behavior(eff="f[x] == True"): "assign with `=`",
+    behavior(eff="f[x] := True"): "assign with `=`",
+    behavior(eff="f[x][x] = True"): "all arguments stand in one pair of brackets: `f[x, y]`",
+    behavior(eff="f[x] = f(x) ? True : False"): (
+        "a choice between two values is written `a if c else b`"
+    ),
+    behavior("assert x in block"): (
+        "a type is no set: a variable over it is `exists x: T: c` or `forall x: T: c`"
+    ),
+    behavior("assert any(f(y) for y in block)"): (
+        "`any(… for x in T)` is `exists x: T: …`, and `all(…)` is `forall x: T: …`"
+    ),
+    behavior('assert f(x), "no f"'): "`assert` has no message; a comment can say it: `# …`",
+    behavior("y: block = x"): "a cell is written `f[x] = e`, a new variable `let v = e`",
+    behavior(eff="y = x"): "a new variable is introduced by `let`: `let y = …`",
+    behavior(
+        'bind y: block where: f(y)\ndo c("x")'
+    ): "objects are written as names, without quotes",
     "feature größe()\n": "names are made of the letters a-z and A-Z, digits and `_`",
 }
 
