@@ -145,3 +145,17 @@ def test_the_tutorial_s_domain_is_the_example() -> None:
     problem = (EXAMPLES / "tutorial" / "swap.cdl").read_text()
     for block in blocks:
         assert block in (problem if block.startswith("problem") else domain)
+
+
+def test_the_readme_s_domain_is_the_example() -> None:
+    blocks = {b for _, b in code_blocks((ROOT / "README.md").read_text())}
+    for file in (EXAMPLES / "kitchen").glob("*.cdl"):
+        assert file.read_text() in blocks
+
+
+def test_the_kitchen_is_planned() -> None:
+    ran = cdlc("plan", EXAMPLES / "kitchen" / "tidy.cdl")
+    assert ran.status == 0
+    assert {"put(red, cupboard)", "put(blue, cupboard)"} <= set(
+        re.findall(r"\w+\([^)]*\)", ran.out)
+    )
