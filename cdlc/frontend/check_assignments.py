@@ -122,8 +122,7 @@ def _scalar(type_: Type) -> Type:
 
 def _check_bounds(feature: Feature, value: Expression, context: Context) -> None:
     """Report an initial constant outside the bounds of its feature."""
-    bounds = {a.name: a.value for a in feature.annotations if isinstance(a.value, int)}
-    low, high = bounds.get("min"), bounds.get("max")
+    low, high = feature.bounds
     number = _constant(value)
     if number is None or value.location is None:
         return

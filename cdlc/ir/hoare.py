@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import permutations
 
 from cdlc.ir.behaviors import body_of
+from cdlc.ir.bounds import within_bounds
 from cdlc.ir.graph import in_order
 from cdlc.ir.pool import Level, Pool
 from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables, leaving
@@ -150,9 +151,9 @@ class _Run:
         """The triple, after the behavior's own effect."""
         behavior = self.behavior
         assert behavior.effect is not None
-        layer = self.executor.execute(behavior.effect, self.layer, self.variables)
+        self.execute(behavior.effect, self.variables)
         pool = self.model.pool
-        updates = (u for u in layer.all_writes() if u.guard is not pool.false)
+        updates = (u for u in self.layer.all_writes() if u.guard is not pool.false)
         return Triple(
             behavior.name,
             self.parameters,
@@ -296,7 +297,13 @@ class _Run:
         if controller.effect is not None:
             names = [p.name for p in controller.parameters]
             variables = dict(zip(names, values, strict=True))
-            self.layer = self.executor.execute(controller.effect, self.layer, variables)
+            self.execute(controller.effect, variables)
+
+    def execute(self, effect: tuple[Statement, ...], variables: Variables) -> None:
+        """An effect on top of those before; it can be applied only where it stays in bounds."""
+        self.layer = self.executor.execute(effect, self.layer, variables)
+        features = self.executor.features
+        self.pre = (*self.pre, *within_bounds(self.executor, features, self.layer))
 
     def _call(self, node: Call) -> Iterator["_Run"]:
         """A called behavior is inlined: its conditions, calls and effect become the caller's."""
@@ -307,7 +314,7 @@ class _Run:
         inside.variables = dict(zip(names, values, strict=True))
         for run in inside.block(body_of(called)):
             if called.effect is not None:
-                run.layer = run.executor.execute(called.effect, run.layer, run.variables)
+                run.execute(called.effect, run.variables)
             run.variables = self.variables
             yield run
 

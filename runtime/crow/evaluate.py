@@ -80,8 +80,10 @@ def holds(world: World, state: State, condition: Expression, variables: Environm
 def execute(
     world: World, state: State, statements: tuple[Statement, ...], variables: Environment
 ) -> State:
-    """The state after an effect or `init`. Raises EvaluationError as `evaluate` does, and for a
-    `foreach` whose iterations write different values to one cell.
+    """The state after an effect or `init`.
+
+    Raises EvaluationError as `evaluate` does, for a `foreach` whose iterations write different
+    values to one cell, and for a value outside the bounds of its feature.
     """
     run = _Run(world, state.cells)
     try:
@@ -89,7 +91,22 @@ def execute(
     except RecursionError:
         location = statements[0].location if statements else None
         raise EvaluationError(_TOO_DEEP, location) from None
+    for cell, value in run.written.items():
+        check_bounds(world, cell, value)
     return world.updated(state, run.written)
+
+
+def check_bounds(world: World, cell: Cell, value: object) -> None:
+    """Raise EvaluationError for a value that the bounds of its feature exclude."""
+    feature = world.features[cell[0]]
+    low, high = feature.bounds
+    if (low is None or value >= low) and (high is None or value <= high):  # type: ignore[operator]
+        return
+    limits = f"at least {low}" if high is None else f"at most {high}"
+    limits = limits if low is None or high is None else f"{low} to {high}"
+    raise EvaluationError(
+        f"`{shown_cell(cell)}` would be {value}, and may be {limits}", feature.location
+    )
 
 
 # -------------------------------------------------------------------------------------- expressions

@@ -110,8 +110,15 @@ class Problem:
 
         Raises crow.evaluate.EvaluationError when its `init` cannot be computed.
         """
-        from crow.evaluate import execute
+        from crow.evaluate import check_bounds, execute
 
         world = World.of(program, statement.objects)
         initial = execute(world, State(), statement.init, {})
+        for feature in program.features:
+            unset = default_value(feature.type)
+            if feature.bounds == (None, None) or unset is None:
+                continue
+            for arguments in world.cells(feature):
+                cell = (feature.name, arguments)
+                check_bounds(world, cell, initial.cells.get(cell, unset))
         return Problem(statement.name, world, initial, statement.goal, statement.minimize)

@@ -12,15 +12,8 @@ from hypothesis import strategies as st
 from programs import statement_of
 from support import BLOCKS
 
-from crow.program import (
-    Location,
-    Node,
-    Program,
-    ProgramFormatError,
-    decode_problem,
-    decode_program,
-    encode,
-)
+from crow.program import Location, Node, Program
+from crow.program.codec import ProgramFormatError, decode_problem, decode_program, encode
 
 EVERYTHING = """
 typedef item

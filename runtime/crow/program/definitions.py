@@ -41,6 +41,12 @@ class Feature(DefinitionNode):
     parameters: tuple[Parameter, ...]
     type: Type
 
+    @property
+    def bounds(self) -> tuple[int | None, int | None]:
+        """The least and the greatest value it may have, None for no limit (language.md §2)."""
+        given = {a.name: a.value for a in self.annotations if isinstance(a.value, int)}
+        return given.get("min"), given.get("max")
+
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Function(DefinitionNode):
