@@ -160,6 +160,8 @@ class Correction:
 def correct(wrong: Unexpected) -> Correction | None:
     """What was meant, where that is plain enough to carry on as if it had been written."""
     token, accepted = wrong.token, wrong.accepted
+    if not token:  # a mark of the layout, which stands in no line
+        return None
     match token.type:
         case "EQUAL" if "EQUALS" in accepted:
             return _instead(wrong, "EQUALS", "==", "compare with `==`")
@@ -382,6 +384,8 @@ def _hint_in_statement(wrong: Unexpected) -> str | None:
             return "`bind` introduces the variable itself: `bind x: T where: c`"
         case "EQUAL", "COLON":
             return "assignments are written `v = e`"
+        case "_NEWLINE", "WHERE":
+            return "the condition follows a colon: `bind x: T where: c`"
         case "_NEWLINE", "DO":
             return "`do` runs a controller: `do c(x)`"
         case _ if "NAME" in wrong.accepted and token.isidentifier() and "INT" not in wrong.accepted:

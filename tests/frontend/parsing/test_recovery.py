@@ -313,6 +313,7 @@ HINTS = {
     behavior("bind y: block such that f(y)"): (
         "the condition of a `bind` follows a colon: `bind x: T where: c`"
     ),
+    behavior("bind y: block where"): "the condition follows a colon: `bind x: T where: c`",
     "typedef a, b\n": "each type has a line of its own",
     "typedef a = object\n": "a more special type is written `typedef T: object`",
     "feature handempty\n": "without parameters it is `feature handempty()`",
