@@ -68,6 +68,13 @@ def _parser() -> argparse.ArgumentParser:
         "--step", action="append", default=[], metavar="CALL", help="a behavior: 'name(a, bind=b)'"
     )
     _format(simulator)
+    importer = _command(commands, "import", import_, "translate PDDL into CDL")
+    importer.add_argument("domain", metavar="DOMAIN.pddl")
+    importer.add_argument("problem", metavar="PROBLEM.pddl", nargs="?")
+    importer.add_argument(
+        "-o", dest="output", type=Path, metavar="DIR", required=True,
+        help="where domain.cdl and problem.cdl are written",
+    )  # fmt: skip
     formatter = _command(commands, "fmt", fmt, "bring files to the canonical layout")
     formatter.add_argument("files", nargs="+", metavar="FILE", help="'-' is standard input")
     formatter.add_argument("--check", action="store_true", help="show what would change")
@@ -285,6 +292,19 @@ def fmt(options: argparse.Namespace) -> int:
     outcomes = {result.outcome for result in results}
     differs = options.check and Outcome.CHANGED in outcomes
     return INPUT_ERRORS if differs or Outcome.INVALID in outcomes else DONE
+
+
+def import_(options: argparse.Namespace) -> int:
+    """`cdlc import`: a PDDL domain, and a problem of it, as CDL files."""
+    from cdlc.importing import import_pddl
+    from cdlc.output import write_all
+
+    imported = import_pddl(options.domain, options.problem, driver.read_standard_input)
+    _report(options, imported.diagnostics, imported.sources)
+    if not imported.texts:
+        return INPUT_ERRORS
+    write_all({options.output / name: text for name, text in imported.texts.items()})
+    return DONE
 
 
 def explain(options: argparse.Namespace) -> int:

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         UnknownType,
         WrongKind,
     )
+    from cdlc.frontend.errors.pddl import PddlName, PddlSyntax, PddlUnsupported
     from cdlc.frontend.errors.problems import (
         MisplacedPart,
         MissingPart,
@@ -86,7 +87,7 @@ if TYPE_CHECKING:
         WrongType,
     )
 
-_TOPICS = ("files", "layout", "loops", "names", "problems", "statements", "syntax", "types")
+_TOPICS = ("files", "layout", "loops", "names", "pddl", "problems", "statements", "syntax", "types")
 
 __all__ = [
     "load",
@@ -151,6 +152,10 @@ __all__ = [
     "MisplacedPart",
     "OutOfBounds",
     "WrongFileKind",
+    # PDDL that is imported
+    "PddlSyntax",
+    "PddlName",
+    "PddlUnsupported",
     # loops, and what is left of data-obliviousness
     "RangeNotConstant",
     "UnrollLimit",

@@ -1,12 +1,14 @@
 """Behaviors whose effects do not make their goals true."""
 
 from cdlc.diagnostics import Collector
+from cdlc.ir.behaviors import body_of
 from cdlc.ir.errors import GoalNotEstablished
 from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.lints.subject import Subject
 from cdlc.ir.symbolic import NotModelled, Update
 from crow.program import (
+    Achieve,
     Apply,
     Compare,
     Conditional,
@@ -16,25 +18,36 @@ from crow.program import (
     Object,
     Quantified,
     Read,
+    Statement,
     Variable,
 )
+from crow.program.walk import statements_within, subexpressions
 from crow.text import expression_text
 
 
 def goals_not_established(subject: Subject, found: Collector) -> None:
     """Report behaviors whose effects do not establish their goals.
 
-    Quiet where that depends on external functions, conditions or arithmetic, and about behaviors
-    without an effect of their own.
+    Quiet where that depends on external functions, conditions or arithmetic, about behaviors
+    without an effect of their own, and where an `achieve_once` compares: it may exclude the
+    arguments in question.
     """
     model = Model(subject.program)
     for behavior in subject.program.behaviors:
+        if any(map(_compares_once, statements_within(body_of(behavior)))):
+            continue
         try:
             for triple in model.triples(behavior)[:1]:
                 if establishes_goal(model, triple) is False:
                     _report(triple, found)
         except NotModelled:
             continue
+
+
+def _compares_once(statement: Statement) -> bool:
+    if not isinstance(statement, Achieve) or not statement.once:
+        return False
+    return any(isinstance(part, Compare) for part in subexpressions(statement.condition))
 
 
 def establishes_goal(model: Model, triple: Triple) -> bool | None:

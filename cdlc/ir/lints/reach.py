@@ -31,15 +31,16 @@ from crow.text import expression_text
 def unmatched_achieves(subject: Subject, found: Collector) -> None:
     """Report what is to be achieved and no behavior has as its goal.
 
-    Quiet in a fragment, about one disjunct of several, and about comparisons over features that
-    some effect writes (semantics.md §2 allows any behavior there).
+    Quiet in a fragment, about one disjunct of several, about comparisons over features that some
+    effect writes (semantics.md §2 allows any behavior there), and about `achieve_once`, which is
+    how a condition is tested that is no precondition.
     """
     if subject.is_fragment:
         return
     matcher = _Matcher(subject)
     for behavior in subject.program.behaviors:
         for statement in statements_within(body_of(behavior)):
-            if not isinstance(statement, Achieve):
+            if not isinstance(statement, Achieve) or statement.once:
                 continue
             for part in matcher.unmatched(statement.condition):
                 matcher.report(part, statement.location, found)
@@ -64,8 +65,7 @@ class _Matcher:
                 for operand in operands:
                     yield from self.unmatched(operand)
             case Or(operands=operands):
-                lost = [list(self.unmatched(operand)) for operand in operands]
-                if all(lost):
+                if all(map(self._is_lost, operands)):
                     yield condition
             case Not(operand=Not(operand=operand)):
                 yield from self.unmatched(operand)
@@ -90,6 +90,18 @@ class _Matcher:
                     yield condition
             case _:
                 return
+
+    def _is_lost(self, disjunct: Expression) -> bool:
+        """Whether no disjunct of this kind can be reached.
+
+        Beside what is to be achieved, what never changes only tells which disjunct is meant.
+        """
+        parts = list(self.unmatched(disjunct))
+        return any(map(self._is_written, parts)) or len(parts) == len(list(_leaves(disjunct)))
+
+    def _is_written(self, part: Expression) -> bool:
+        reads = (p.feature for p in subexpressions(part) if isinstance(p, Read))
+        return any(name in self.writes for name in reads)
 
     def _is_matched(self, literal: Expression) -> bool:
         hierarchy = self.subject.hierarchy

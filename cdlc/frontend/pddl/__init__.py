@@ -1,0 +1,1 @@
+"""PDDL, read and translated into CDL's syntax tree (lowering.md §3)."""
