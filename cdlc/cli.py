@@ -75,6 +75,7 @@ def _parser() -> argparse.ArgumentParser:
         "-o", dest="output", type=Path, metavar="DIR", required=True,
         help="where domain.cdl and problem.cdl are written",
     )  # fmt: skip
+    _verify_arguments(_command(commands, "verify", verify, "prove what behaviors claim"))
     formatter = _command(commands, "fmt", fmt, "bring files to the canonical layout")
     formatter.add_argument("files", nargs="+", metavar="FILE", help="'-' is standard input")
     formatter.add_argument("--check", action="store_true", help="show what would change")
@@ -136,6 +137,14 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "-o", dest="output", type=Path, metavar="FILE", help="write the plan there"
     )
+
+
+def _verify_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("files", nargs="+", metavar="FILE", help="a domain; '-' is standard input")
+    command.add_argument(
+        "--time-limit", type=_positive(float), metavar="S", help="seconds for each check"
+    )
+    _format(command)
 
 
 def _positive(kind: Any) -> Any:
@@ -278,6 +287,40 @@ def simulate(options: argparse.Namespace) -> int:
     return DONE if result.is_complete else INPUT_ERRORS
 
 
+def verify(options: argparse.Namespace) -> int:
+    """`cdlc verify`: what behaviors claim, proved or refuted with a state where it fails."""
+    from cdlc.verify.errors import SolverMissing
+    from cdlc.verify.run import TIME_LIMIT, require
+    from cdlc.verify.run import verify as run
+
+    try:
+        require()
+    except SolverMissing as error:
+        print(f"error[{error.code}]: {error}", file=sys.stderr)
+        return INPUT_ERRORS
+    from cdlc.verify import text
+    from cdlc.verify.results import Verdict, document, worst
+
+    is_json = options.format == "json"
+    reports = []
+    compilations = [driver.compilation([file]) for file in options.files]
+    for file, compilation in zip(options.files, compilations, strict=True):
+        program = compilation.program
+        # What the lint suspects is proved or refuted here.
+        _warn(options, compilation, but="goal-not-established")
+        report = run(file, program, options.time_limit or TIME_LIMIT)
+        reports.append(report)
+        if not is_json:
+            color = render.wants_color(sys.stdout)
+            print(text.report_text(report, compilation.sources, color=color), flush=True)
+    if is_json:
+        _print_json(document(tuple(reports)))
+    else:
+        print(text.summary(tuple(reports)), file=sys.stderr)
+    verdict = worst(report.verdict for report in reports)
+    return {Verdict.PROVED: DONE, Verdict.REFUTED: INPUT_ERRORS, Verdict.UNKNOWN: LIMIT}[verdict]
+
+
 def fmt(options: argparse.Namespace) -> int:
     """`cdlc fmt`: files in canonical layout; with `--check`, what would change."""
     from cdlc.fmt import Outcome, format_files
@@ -345,9 +388,9 @@ def _print_json(document: dict[str, Any]) -> None:
     print(json.dumps(document, indent=2, ensure_ascii=False))
 
 
-def _warn(options: argparse.Namespace, compilation: driver.Compilation) -> None:
-    """Show the warnings of a compilation that goes on."""
-    warnings = [d for d in compilation.found if d.severity is Severity.WARNING]
+def _warn(options: argparse.Namespace, compilation: driver.Compilation, but: str = "") -> None:
+    """Show the warnings of a compilation that goes on, but those of one code."""
+    warnings = [d for d in compilation.found if d.severity is Severity.WARNING and d.code != but]
     _report(options, warnings, compilation.sources)
 
 

@@ -4,7 +4,8 @@ import inspect
 
 import cdlc.backends.errors
 import cdlc.ir.errors
-import cdlc.plans.errors  # noqa: F401 - the modules register their kinds
+import cdlc.plans.errors
+import cdlc.verify.errors  # noqa: F401 - the modules register their kinds
 from cdlc.diagnostics import Diagnostic, nearest
 from cdlc.frontend import errors
 

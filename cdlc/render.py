@@ -136,7 +136,12 @@ class _Painter:
         return [*lines, f"{gutter} {bar} {' ' * view.start}{carets}"]
 
     def _paint(self, text: str, style: str) -> str:
-        return f"{_STYLES[style]}{text}{_RESET}" if self.color else text
+        return paint(text, style, color=self.color)
+
+
+def paint(text: str, style: str, *, color: bool) -> str:
+    """Text in a style: `error`, `warning`, `place`, `help` or `bold`."""
+    return f"{_STYLES[style]}{text}{_RESET}" if color else text
 
 
 @dataclass(frozen=True, slots=True)

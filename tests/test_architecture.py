@@ -70,6 +70,7 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     "cdlc.backends": ("cdlc.backends", "cdlc.ir"),
     # Conditions in traces are read as text.
     "cdlc.plans": ("cdlc.plans", "cdlc.backends", "cdlc.ir", "cdlc.frontend"),
+    "cdlc.verify": ("cdlc.verify", "cdlc.ir"),
     "cdlc.editors": ("cdlc.editors", "cdlc.frontend"),
     "cdlc.driver": ("cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
     "cdlc.library": ("cdlc.driver", "cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
@@ -82,6 +83,7 @@ THIRD_PARTY: Mapping[str, tuple[str, ...]] = {
     "pygments": ("cdlc.editors",),
     "psutil": ("cdlc.backends.engines",),
     "unified_planning": ("cdlc.backends.engines.solver",),
+    "z3": ("cdlc.verify.smt",),
 }
 
 

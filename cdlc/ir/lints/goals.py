@@ -95,19 +95,19 @@ def _report(model: Triple, found: Collector) -> None:
     goal = model.goal
     assert goal is not None
     assert goal.location is not None
-    other = _near_miss(model)
+    other = near_miss(model)
     found.add(
         GoalNotEstablished(
             location=goal.location,
             behavior=model.behavior,
             goal=expression_text(goal),
             effect=None if other is None else other.location,
-            suggestion=None if other is None else _mended(model),
+            suggestion=None if other is None else mended(model),
         )
     )
 
 
-def _near_miss(model: Triple) -> Update | None:
+def near_miss(model: Triple) -> Update | None:
     """An update that would have established the goal for other arguments."""
     literal, wanted = _literal(model)
     if literal is None:
@@ -117,7 +117,8 @@ def _near_miss(model: Triple) -> Update | None:
     return next(same_value, None)
 
 
-def _mended(model: Triple) -> str | None:
+def mended(model: Triple) -> str | None:
+    """The assignment that would establish a goal that is a literal."""
     literal, wanted = _literal(model)
     if literal is None:
         return None
