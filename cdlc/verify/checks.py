@@ -20,9 +20,9 @@ from cdlc.verify.smt.ask import Found, can_alias, refute, search
 from cdlc.verify.smt.encode import AFTER
 from cdlc.verify.smt.solver import Answer, Solved
 from cdlc.verify.ways import Way
-from crow.program import Apply, Behavior, Expression, Location, Read
+from crow.program import And, Apply, Behavior, Expression, Location, Read
 from crow.program.types import is_object
-from crow.program.walk import subexpressions
+from crow.program.walk import statements_within, subexpressions
 from crow.text import expression_text
 
 # Of the time for a check: a first proof, and the end of the search; the rest is a second proof.
@@ -170,9 +170,28 @@ def _applicable(subject: Subject, triple: Triple, way: Way) -> Check:
     parts = [triple.pre[i] for i in solved.core]
     texts = tuple(_text(subject.model, part) for part in parts)
     problem = NeverApplicable(
-        location=subject.location, behavior=subject.behavior.name, conditions=texts
+        location=subject.location,
+        behavior=subject.behavior.name,
+        conditions=texts,
+        places=tuple(dict.fromkeys(_places(subject, triple, parts))),
     )
     return Check("applicable", Verdict.REFUTED, problem=problem, notes=_notes(question))
+
+
+def _places(subject: Subject, triple: Triple, parts: list[Expression]) -> Iterator[Location]:
+    """Where the body asks for some of the preconditions, as far as that is plain to see."""
+    wanted = {id(part) for part in parts}
+    for statement in statements_within(subject.behavior.body):
+        condition = getattr(statement, "condition", None)
+        if condition is None or condition.location is None:
+            continue
+        try:
+            formula = subject.model.formula(condition, triple.parameters)
+        except NotModelled:
+            continue
+        found = formula.operands if isinstance(formula, And) else (formula,)
+        if any(id(part) in wanted for part in found):
+            yield condition.location
 
 
 def _text(model: Model, formula: Expression) -> str:

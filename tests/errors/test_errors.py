@@ -13,10 +13,13 @@ from conftest import Golden
 
 import cdlc.backends.errors
 import cdlc.ir.errors
-import cdlc.plans.errors  # noqa: F401 - for its kinds
+import cdlc.plans.errors
+import cdlc.verify.errors  # noqa: F401 - for its kinds
 from cdlc.diagnostics import Diagnostic, Lint
-from cdlc.driver import CompileError, compilation
+from cdlc.driver import Compilation, CompileError, compilation
 from cdlc.frontend import errors
+from cdlc.verify.results import Verdict
+from cdlc.verify.run import verify
 
 errors.load()
 
@@ -26,6 +29,10 @@ MARK = re.compile(r"# (error|warning)( below)?: \[([a-z-]+)\]")
 
 # What only later stages find, with the stage.
 STAGES = {
+    "dead-write": "verify",
+    "goal-refuted": "verify",
+    "never-applicable": "verify",
+    "writes-collide": "verify",
     "no-hoare-model": "triples",
     "no-initial-value": "problem",
     "not-in-pddl": "pddl",
@@ -51,11 +58,21 @@ ELSEWHERE = {
 def run(name: str, stage: str) -> Checked:
     """Everything that is found up to a stage."""
     done = compilation([name])
+    if stage == "verify":
+        return verified(name, done)
     try:
         getattr(done, stage)
     except CompileError as error:
         return Checked(error.diagnostics, error.sources)
     return Checked(done.found.sorted(), done.sources)
+
+
+def verified(name: str, done: Compilation) -> Checked:
+    """What is refuted."""
+    report = verify(name, done.program, time_limit=20)
+    checks = [check for behavior in report.behaviors for check in behavior.checks]
+    assert not [check for check in checks if check.verdict is Verdict.UNKNOWN]
+    return Checked(tuple(c.problem for c in checks if c.problem is not None), done.sources)
 
 
 def marks(text: str) -> list[tuple[int, str, str]]:

@@ -18,6 +18,16 @@ _STACK = 512 << 20
 _GRACE = 0.5
 
 
+_local = threading.local()
+
+
+def context() -> Any:
+    """This thread's context of z3; making one takes longer than most questions."""
+    if getattr(_local, "context", None) is None:
+        _local.context = z3.Context()
+    return _local.context
+
+
 class Answer(StrEnum):
     """Satisfiable, unsatisfiable, or z3 gave up."""
 
@@ -85,6 +95,7 @@ def _run(ctx: Any, check: Any, deadline: float) -> Any:
     finally:
         # An interrupt that comes before z3 has started has no effect, so it is repeated.
         while thread.is_alive():
+            _local.context = None  # the interrupt may outlast the question
             ctx.interrupt()
             thread.join(0.02)
     return outcome[0]

@@ -10,16 +10,18 @@ there because a sort of z3 is never empty.
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from itertools import product
+from itertools import count, product
 from typing import Any
 
 import z3
 
+from cdlc.verify.smt.solver import context
 from crow.program import OBJECT, Hierarchy, Type
 
 NO_KIND = -1
 # A quantifier over more tuples of objects than this is not written out.
 MOST_INSTANCES = 4_096
+_NUMBERS = count()
 
 
 class TooLarge(Exception):  # noqa: N818 - the search stops there, nothing is wrong
@@ -35,10 +37,15 @@ class Universe(ABC):
     def __init__(self, hierarchy: Hierarchy, kinds: Sequence[str]) -> None:
         self.hierarchy = hierarchy
         self.kinds = tuple(kinds)
-        self.ctx = z3.Context()
+        self.ctx = context()
+        # Universes share a context, and sorts of one name in it are one.
+        self._number = next(_NUMBERS)
 
     def _add_kinds(self) -> None:
         self.kind = z3.Function("kind", self.sort, z3.IntSort(self.ctx))
+
+    def _sort_name(self) -> str:
+        return f"object:{self._number}"
 
     def is_of(self, term: Any, type_: Type) -> Any:
         """That an object exists and is of a type."""
@@ -80,17 +87,20 @@ class Universe(ABC):
 
 
 class Few(Universe):
-    """The constants and `count` more objects, whose kinds z3 chooses."""
+    """The constants and `size` more objects, whose kinds z3 chooses."""
 
     def __init__(
-        self, hierarchy: Hierarchy, kinds: Sequence[str], constants: Mapping[str, Type], count: int
+        self, hierarchy: Hierarchy, kinds: Sequence[str], constants: Mapping[str, Type], size: int
     ) -> None:
         super().__init__(hierarchy, kinds)
         self.constants = constants
-        self.count = count
-        names = [*(f"c:{name}" for name in constants), *(f"o:{i}" for i in range(count))]
+        number = self._number
+        names = [f"c:{number}:{name}" for name in constants]
+        names += [f"o:{number}:{i}" for i in range(size)]
         # A sort has at least one element; this one has no kind.
-        self.sort, terms = z3.EnumSort("object", names or ["nothing"], ctx=self.ctx)
+        self.sort, terms = z3.EnumSort(
+            self._sort_name(), names or [f"n:{number}"], ctx=self.ctx
+        )
         self.terms = list(terms) if names else []
         self.named = dict(zip(constants, terms, strict=False))
         self.others = self.terms[len(constants) :]
@@ -132,7 +142,7 @@ class Unbounded(Universe):
     ) -> None:
         super().__init__(hierarchy, kinds)
         self.constants = constants
-        self.sort = z3.DeclareSort("object", self.ctx)
+        self.sort = z3.DeclareSort(self._sort_name(), self.ctx)
         self.named = {name: z3.Const(f"c:{name}", self.sort) for name in constants}
         self._add_kinds()
 
