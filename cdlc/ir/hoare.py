@@ -18,6 +18,7 @@ from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Var
 from crow.program import (
     Achieve,
     And,
+    Apply,
     Assert,
     Behavior,
     Bind,
@@ -44,6 +45,8 @@ from crow.program.names import fresh_name
 from crow.program.types import INT64
 
 MAX_TRIPLES = 64
+# Marks a read of the state after a transition; no name of CDL starts with it.
+_AFTER = "after'"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,12 +118,20 @@ class Model:
         executor = Executor(self.program, self.pool)
         layer = Layer(None, {("", (), i): update for i, update in enumerate(triple.post)})
 
-        def after(node: Expression) -> Expression:
+        # `not f(x)` after `f[x] = not f(x)` is `f(x)`, which must not be taken for a read after: so
+        # what is read after the transition is marked first, and replaced where it is marked.
+        def marked(node: Expression) -> Expression:
             if not isinstance(node, Read):
                 return node
-            return executor.read(node.feature, node.arguments, layer, node.location)
+            return self.pool.apply(_AFTER + node.feature, node.arguments, node.type, node.location)
 
-        return self.pool.rebuild(condition, {}, after)
+        def after(node: Expression) -> Expression:
+            if not (isinstance(node, Apply) and node.function.startswith(_AFTER)):
+                return node
+            feature = node.function.removeprefix(_AFTER)
+            return executor.read(feature, node.arguments, layer, node.location)
+
+        return self.pool.rebuild(self.pool.rebuild(condition, {}, marked), {}, after)
 
 
 class _Run:

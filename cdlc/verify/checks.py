@@ -336,7 +336,7 @@ def _reason(solved: Solved, found: Found) -> str:
     if found.doubt:
         return f"z3's counterexample is not confirmed: {found.doubt}"
     if solved.answer is Answer.SAT:
-        return "z3 finds a counterexample only with more objects than were tried"
+        return found.reason or "z3 finds a counterexample only with more objects than were tried"
     return solved.reason or found.reason
 
 

@@ -10,6 +10,7 @@ from crow.evaluate import assignments_of
 from crow.plan import call_text
 from crow.problem import Cell, State
 from crow.program import (
+    OBJECT,
     And,
     Apply,
     Compare,
@@ -26,6 +27,7 @@ from crow.program import (
     Variable,
 )
 from crow.program.rewrite import substitute
+from crow.program.types import is_object
 from crow.program.walk import free_variables, subexpressions
 from crow.text import expression_text
 from crow.values import Value, shown
@@ -166,6 +168,8 @@ def _table_lines(name: str, types: list[Type], result: Type, table: Table) -> It
 def smaller(situation: Situation, confirm: Callable[[Situation], str]) -> Situation:
     """The situation without what makes no difference; `confirm` says what is wrong with one."""
     trials = 0
+    features = situation.world.features
+    types = {p.name: p.type for p in situation.triple.parameters}
 
     def accept(candidate: Situation) -> bool:
         nonlocal trials
@@ -182,14 +186,14 @@ def smaller(situation: Situation, confirm: Callable[[Situation], str]) -> Situat
         if accept(candidate):
             situation = candidate
             continue
-        for value in _simpler(situation.state.cells[cell]):
+        for value in _simpler(situation.state.cells[cell], features[cell[0]].type):
             changed = {**situation.state.cells, cell: value}
             candidate = replace(situation, state=State(changed))
             if accept(candidate):
                 situation = candidate
                 break
-    for name in situation.values:
-        for value in _simpler(situation.values[name]):
+    for name, old in situation.values.items():
+        for value in _simpler(old, types.get(name, OBJECT)):
             candidate = replace(situation, values={**situation.values, name: value})
             if accept(candidate):
                 situation = candidate
@@ -203,15 +207,29 @@ def _without_row(situation: Situation, name: str, row: tuple[Value, ...]) -> Sit
     return replace(situation, tables={**situation.tables, name: Table(rows, table.otherwise)})
 
 
-def _simpler(value: object) -> Iterator[Value]:
-    """Numbers nearer to 0, the simplest first."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return
+def _simpler(value: object, type_: Type) -> Iterator[Value]:
+    """Simpler values, the simplest first: numbers nearer to 0, no text, the first opaque one."""
+    match value:
+        case str() if value and not is_object(type_):
+            yield ""
+        case Opaque(type=name, number=number) if number:
+            yield Opaque(name, 0)
+        case tuple() if any(value):
+            yield tuple(type(item)(0) if isinstance(item, int | float) else item for item in value)
+        case bool():
+            return
+        case int() | float():
+            yield from _nearer_to_zero(value)
+        case _:
+            return
+
+
+def _nearer_to_zero(value: float) -> Iterator[float]:
     kind = type(value)
     for number in (0, 1, -1, 2, -2, 3, -3, 5, 10, -10, 100, -100):
         if abs(number) < abs(value):
             yield kind(number)
-    if isinstance(value, float) and value != round(value):
+    if value != round(value):
         yield float(round(value))
 
 

@@ -117,7 +117,8 @@ def _example(example: Counterexample, color: bool) -> Iterator[str]:
     parts = example.false_parts
     width = max(len(part.text) for part in parts)
     for part in parts:
-        yield f"  {strong(f'{part.text:<{width}}')}  {part.finding}"
+        it = "it " if part.finding.startswith("is ") else ""
+        yield f"  {strong(f'{part.text:<{width}}')}  but {it}{part.finding}"
 
 
 def _cut(lines: list[str]) -> list[str]:

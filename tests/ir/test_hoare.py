@@ -401,3 +401,22 @@ def test_text() -> None:
           :precondition (and)
           :effect (and))
         """)
+
+
+def test_a_value_after_is_not_taken_for_one_before() -> None:
+    """`not p(x)` after `p[x] = not p(x)` is `p(x)`, before; reading that again would be wrong."""
+    text = (
+        DECLARATIONS
+        + """
+behavior act(x: T):
+  goal: not p(x)
+  eff:
+    p[x] = not p(x)
+"""
+    )
+    program, behavior = behavior_of(text)
+    model = Model(program)
+    (triple,) = model.triples(behavior)
+    assert triple.goal is not None
+    goal = model.formula(triple.goal, triple.parameters)
+    assert sexpr(model.weakest_precondition(goal, triple), {"x": "x"}) == "(p ?x)"

@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a row is a case
 """What is proved and what is refuted, construct by construct."""
 
 import pytest

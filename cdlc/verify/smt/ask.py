@@ -124,7 +124,7 @@ def search(
             try:
                 situation = reader.situation(question.triple, way, question.variables)
             except NotConcrete as error:
-                return Found(None, size, str(error), str(error))
+                return Found(None, size, reason=str(error))
             problem = confirm(situation)
             if not problem:
                 return Found(situation, size, doubt)

@@ -43,8 +43,10 @@ class Reader:
 
     def situation(self, triple: Triple, way: Way, variables: tuple[Parameter, ...]) -> Situation:
         """The situation. Raises NotConcrete if a function reads the state after the behavior."""
-        if any(name.endswith(AFTER) for name in self.encoder.functions):
-            raise NotConcrete("an external function that reads the state has another value after")
+        for name in self.encoder.functions:
+            if name.endswith(AFTER):
+                reader = name.removesuffix(AFTER)
+                raise NotConcrete(f"`{reader}` reads the state; what it says after is not known")
         self._name_objects(triple)
         values = {
             v.name: self._value(self.encoder.variable(v.name, v.type), v.type) for v in variables

@@ -98,9 +98,7 @@ class Few(Universe):
         names = [f"c:{number}:{name}" for name in constants]
         names += [f"o:{number}:{i}" for i in range(size)]
         # A sort has at least one element; this one has no kind.
-        self.sort, terms = z3.EnumSort(
-            self._sort_name(), names or [f"n:{number}"], ctx=self.ctx
-        )
+        self.sort, terms = z3.EnumSort(self._sort_name(), names or [f"n:{number}"], ctx=self.ctx)
         self.terms = list(terms) if names else []
         self.named = dict(zip(constants, terms, strict=False))
         self.others = self.terms[len(constants) :]
