@@ -111,10 +111,12 @@ def _read_after(model: Model, goal: Expression, triple: Triple) -> Expression:
 
 
 def _did_not_end(situation: Situation) -> str:
+    if not situation.is_possible:
+        return "a feature is out of its bounds"
     problem = situation.ran.problem
     if problem is not None:
         return f"the behavior cannot be run there: {getattr(problem, 'reason', 'a choice is open')}"
-    return "" if situation.has_ended else "a feature leaves its bounds"
+    return ""
 
 
 def _goal_problem(
@@ -291,7 +293,8 @@ def _conflict(subject: Subject, triple: Triple, way: Way, conflict: Conflict) ->
     question = Question(subject.model, triple, (conflict.condition,), ends=False)
 
     def confirm(situation: Situation) -> str:
-        return "" if situation.has_conflict else "the iterations agree when it is run"
+        is_found = situation.is_possible and situation.has_conflict
+        return "" if is_found else "the iterations agree when it is run"
 
     decided = _decide(question, way, confirm, subject.time_limit)
     if decided.situation is None:

@@ -4,14 +4,11 @@ What is asked is more than the interpreter may do, never less: every run of the 
 without an error satisfies all of the conditions. So `no` is a proof; `yes` is tried out.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled
-from cdlc.verify.situation import bounds_of
 from crow.program import (
     Apply,
     Constant,
@@ -61,46 +58,13 @@ class Question:
         return (*self.triple.pre, *self.claims, *self.hints, *written)
 
     @cached_property
-    def bounded(self) -> tuple[tuple[Expression, tuple[Expression, ...], Expression], ...]:
-        """Cells of bounded features that are written: guard, quantified objects, value after."""
-        features = {f.name: f for f in self.model.program.features}
-        return tuple(
-            found
-            for update in (self.triple.post if self.ends else ())
-            if bounds_of(features[update.feature]) != (None, None)
-            for found in self._final(update)
-        )
-
-    def _final(
-        self, update: "object"
-    ) -> Iterator[tuple[Expression, tuple[Expression, ...], Expression]]:
-        from cdlc.ir.symbolic import Update
-
-        assert isinstance(update, Update)
-        features = {f.name: f for f in self.model.program.features}
-        feature = features[update.feature]
-        pool = self.model.pool
-        cell = pool.read(update.feature, update.arguments, feature.type)
-        try:
-            after = self.model.weakest_precondition(cell, self.triple)
-        except NotModelled:
-            return
-        low, high = bounds_of(feature)
-        limits = [
-            pool.compare(op, after, pool.constant(limit, feature.type))  # type: ignore[arg-type]
-            for op, limit in ((">=", low), ("<=", high))
-            if limit is not None
-        ]
-        yield update.guard, update.variables, pool.conjunction(limits)
-
-    @cached_property
     def kinds(self) -> tuple[str, ...]:
         """The object types that make a difference, in order of declaration."""
         program = self.model.program
         features = {f.name: f for f in program.features}
         functions = {f.name: f for f in program.functions}
         found: set[Type] = {p.type for p in self.variables}
-        for node in in_order(*self.formulas, *(limit for *_, limit in self.bounded)):
+        for node in in_order(*self.formulas):
             match node:
                 case Quantified(variables=variables):
                     found |= {v.type for v in variables}

@@ -10,14 +10,13 @@ from functools import cached_property
 
 from cdlc.ir.hoare import Triple
 from cdlc.verify.ways import Way
-from crow.evaluate import EvaluationError, evaluate
+from crow.evaluate import EvaluationError, check_bounds, evaluate
 from crow.problem import Cell, State, World
 from crow.program import (
     And,
     Compare,
     Constant,
     Expression,
-    Feature,
     Function,
     If,
     Location,
@@ -95,9 +94,9 @@ class Situation:
         return apply(self.world, self.state, self.way.behavior, self.arguments, self.bindings)
 
     @property
-    def has_ended(self) -> bool:
-        """Whether the behavior can be applied, and all values stay within their bounds."""
-        return self.ran.problem is None and is_within_bounds(self.world, self.ran.state)
+    def is_possible(self) -> bool:
+        """Whether the state is one that a problem can have: every cell within its bounds."""
+        return is_within_bounds(self.world, self.state)
 
     @property
     def has_conflict(self) -> bool:
@@ -132,28 +131,16 @@ def _value(
 
 def is_within_bounds(world: World, state: State) -> bool:
     """Whether every cell of a feature with `[[min, max]]` is within them."""
-    limits = {f.name: bounds_of(f) for f in world.program.features}
-    for (feature, _), value in state.cells.items():
-        low, high = limits[feature]
-        if (low is not None and value < low) or (high is not None and value > high):  # type: ignore[operator]
-            return False
-    # Cells that are not listed are 0.
-    return all(
-        (low or 0) <= 0 <= (high or 0) or not _has_zero(world, state, feature)
-        for feature in world.program.features
-        for low, high in [limits[feature.name]]
-        if (low, high) != (None, None)
-    )
-
-
-def _has_zero(world: World, state: State, feature: Feature) -> bool:
-    return any((feature.name, where) not in state.cells for where in world.cells(feature))
-
-
-def bounds_of(feature: Feature) -> tuple[int | None, int | None]:
-    """The `[[min, max]]` of a feature."""
-    given = {a.name: a.value for a in feature.annotations if isinstance(a.value, int)}
-    return given.get("min"), given.get("max")
+    for feature in world.program.features:
+        if feature.bounds == (None, None):
+            continue
+        for where in world.cells(feature):
+            cell = (feature.name, where)
+            try:
+                check_bounds(world, cell, state.cells.get(cell, default_value(feature.type)))
+            except EvaluationError:
+                return False
+    return True
 
 
 # --------------------------------------------------------------------------------------- functions

@@ -61,9 +61,6 @@ def _written(question: Question, encoder: Encoder) -> Iterator[Any]:
         guarded = z3.Implies(encoder.condition(update.guard), exists)
         whole = z3.And(encoder.is_defined(update.guard), guarded)
         yield _for_all(update.variables, whole, encoder)
-    for guard, variables, limits in question.bounded:
-        within = z3.Implies(encoder.condition(guard), encoder.condition(limits))
-        yield _for_all(variables, within, encoder)
 
 
 def _for_all(variables: tuple[Any, ...], body: Any, encoder: Encoder) -> Any:

@@ -14,7 +14,6 @@ import z3
 
 from cdlc.ir.graph import in_order, parts
 from cdlc.ir.symbolic import NotModelled
-from cdlc.verify.situation import bounds_of
 from cdlc.verify.smt.arithmetic import (
     in_range,
     operation,
@@ -131,7 +130,7 @@ class Encoder:
                 z3.Const(f"a{i}", self.universe.sort) for i in range(len(feature.parameters))
             ]
             terms = self.cell(feature, arguments)
-            valid = self._is_valid(terms, feature.type, bounds_of(feature))
+            valid = self._is_valid(terms, feature.type, feature.bounds)
             if z3.is_true(valid):
                 continue
             types = [p.type for p in feature.parameters]
