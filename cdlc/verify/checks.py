@@ -28,7 +28,6 @@ from crow.text import expression_text
 # Of the time for a check: a first proof, and the end of the search; the rest is a second proof.
 _FIRST_PROOF, _SEARCH = 0.2, 0.6
 REAL_NUMBERS = "floats are taken as real numbers: rounding is left out"
-EXTERNAL = "external functions may return anything, the same for the same arguments"
 
 
 @dataclass(frozen=True)
@@ -290,7 +289,15 @@ def check_writes(subject: Subject) -> Iterator[Check]:
 
 
 def _conflict(subject: Subject, triple: Triple, way: Way, conflict: Conflict) -> Check:
-    question = Question(subject.model, triple, (conflict.condition,), ends=False)
+    pool = subject.model.pool
+    # The condition says nothing of an `if` around the loop; where one write is done, it is entered.
+    done = [
+        pool.quantified("exists", u.variables, u.guard)
+        for u in triple.post
+        if u.location is not None and u.location == conflict.first.location
+    ]
+    hints = (pool.disjunction(done),) if done else ()
+    question = Question(subject.model, triple, (conflict.condition,), ends=False, hints=hints)
 
     def confirm(situation: Situation) -> str:
         is_found = situation.is_possible and situation.has_conflict

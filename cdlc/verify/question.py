@@ -93,14 +93,6 @@ class Question:
         return found
 
     @cached_property
-    def has_quantifiers(self) -> bool:
-        """Whether any formula quantifies over objects."""
-        nodes = in_order(*self.formulas)
-        return any(isinstance(node, Quantified) for node in nodes) or any(
-            update.variables for update in self.triple.post
-        )
-
-    @cached_property
     def has_floats(self) -> bool:
         """Whether any formula computes with floats."""
         return any(

@@ -73,6 +73,14 @@ def test_the_misprint_is_shown_where_it_can_be_seen(golden: Golden) -> None:
     golden(Path(__file__).parent / "blocks_as_printed.txt", ran.out)
 
 
+def test_the_how_to_shows_what_is_printed() -> None:
+    page = (ROOT / "docs" / "how-to" / "verify.md").read_text()
+    printed = (Path(__file__).parent / "blocks_as_printed.txt").read_text()
+    shown, _, table = printed.partition("\n\nexamples/blocks/blocks_as_printed.cdl\n")
+    assert f"blocks_as_printed.cdl\n{shown}\n```\n" in page
+    assert "\n".join(table.splitlines()[:2]) in page
+
+
 def test_values_of_every_type_are_shown(golden: Golden) -> None:
     ran = cdlc("verify", "-", stdin=VALUES)
     assert ran.status == 1
@@ -118,7 +126,7 @@ def test_what_is_not_decided_is_neither_proved_nor_refuted() -> None:
 def test_refuted_wins_over_unknown(tmp_path: Path) -> None:
     file = tmp_path / "fermat.cdl"
     file.write_text(FERMAT)
-    found = document(file, BLOCKS / "blocks_as_printed.cdl", "--time-limit", "1", status=1)
+    found = document(file, BLOCKS / "blocks_as_printed.cdl", "--time-limit", "3", status=1)
     assert [f["verdict"] for f in found["files"]] == ["unknown", "refuted"]  # type: ignore[union-attr]
 
 

@@ -258,6 +258,10 @@ def test_guards(effect: str, body: str, expected: str | None) -> None:
          "assert forall y: T, z: T: (not on(y, x) or not on(z, x) or y == z)", "proved"),
         ("foreach z: T:\n  if z == x: p[x] = True\n  if z == y: p[x] = False", "pass", "refuted"),
         ("foreach z: T:\n  if z == x: p[x] = True\n  if z == y: p[x] = False", "assert x == y", "proved"),
+        # What the loop stands under is not part of the question: found, and not proved.
+        ("if q(x):\n  foreach z: T: p[at(z)] = q(z)", "pass", "refuted"),
+        ("if q(x):\n  foreach z: T: p[at(z)] = q(z)", "assert not q(x)", "unknown"),
+        ("if q(x):\n  foreach z: T: p[at(z)] = q(z)", "assert forall z: T: q(z)", "proved"),
     ],
 )  # fmt: skip
 def test_writes(effect: str, body: str, expected: str | None) -> None:

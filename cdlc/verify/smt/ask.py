@@ -12,7 +12,7 @@ from cdlc.verify.situation import Situation
 from cdlc.verify.smt.encode import Encoder
 from cdlc.verify.smt.model import NotConcrete, Reader, blocked
 from cdlc.verify.smt.solver import Answer, Solved, solve
-from cdlc.verify.smt.universe import Few, TooLarge, Unbounded, Universe
+from cdlc.verify.smt.universe import Few, TooLarge, Unbounded
 from cdlc.verify.ways import Way
 from crow.program import Parameter, Variable
 from crow.program.types import is_object
@@ -149,6 +149,3 @@ def can_alias(question: Question) -> bool:
     objects: list[Parameter] = [v for v in question.triple.parameters if is_object(v.type)]
     share = question.model.pool.hierarchy.may_share_objects
     return any(share(a.type, b.type) for a, b in combinations(objects, 2))
-
-
-__all__ = ["Found", "Universe", "can_alias", "refute", "search"]
