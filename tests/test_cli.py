@@ -148,7 +148,7 @@ def test_warnings_are_errors_on_demand() -> None:
 def test_check_loads_neither_sympy_nor_unified_planning() -> None:
     script = (
         "import sys; from cdlc.cli import main; status = main(sys.argv[1:]);"
-        "heavy = {'sympy', 'unified_planning', 'numpy', 'psutil', 'rich'} & set(sys.modules);"
+        "heavy = {'sympy', 'unified_planning', 'numpy', 'psutil', 'rich', 'z3'} & set(sys.modules);"
         "sys.exit(f'{status} {heavy}' if status or heavy else 0)"
     )
     command = [sys.executable, "-c", script, "check", str(DOMAIN), str(SUSSMAN)]

@@ -6,6 +6,7 @@ from programs import program_of
 from small_claims import claims, outcomes
 
 from cdlc.verify.run import verify
+from crow.evaluate import holds
 from crow.transition import apply
 
 SETTINGS = settings(
@@ -14,6 +15,18 @@ SETTINGS = settings(
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
 )
+
+
+def is_excused(reason: str) -> bool:
+    """Whether a check may be undecided: the model says less than the interpreter does.
+
+    It leaves out a division whose result makes no difference, the `if` around a `foreach`, and what
+    is read from cells that a `foreach` computes.
+    """
+    return any(
+        text in reason
+        for text in ("division by zero", "the iterations agree when it is run", "has no formula")
+    )
 
 
 def compare(text: str) -> None:
@@ -34,7 +47,8 @@ def compare(text: str) -> None:
             continue
         verdict = str(checks[name].verdict)
         event(f"{name} {verdict}")
-        if checks[name].reason.endswith(")") and "has no formula" in checks[name].reason:
+        if verdict == "unknown" and is_excused(checks[name].reason):
+            event(f"{name}: {checks[name].reason[:60]}")
             continue
         if expected is not None:
             # What happens in a small state is found, and nothing else is ever claimed.
@@ -52,6 +66,12 @@ def compare(text: str) -> None:
             situation.bindings,
         )
         assert ran.problem is None
+        goal = situation.way.behavior.goal
+        assert goal is not None
+        names = [p.name for p in situation.way.behavior.parameters]
+        values = dict(zip(names, situation.arguments, strict=True))
+        assert not holds(situation.world, ran.state, goal, values)
+        assert 0 <= situation.state.cells.get(("n", ()), 0) <= 3  # type: ignore[operator]
 
 
 @given(claims())

@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a row is a case
 """Every triple has the body it was made of, and only what runs is shown."""
 
 import pytest

@@ -103,12 +103,19 @@ def _run(ctx: Any, check: Any, deadline: float) -> Any:
 
 
 def _started(body: Any) -> threading.Thread:
-    thread = threading.Thread(target=body, daemon=True)
     usual = threading.stack_size(_STACK)
     try:
-        thread.start()
+        return _thread(body)
+    except RuntimeError:  # no room for such a stack; most formulas need none
+        threading.stack_size(usual)
+        return _thread(body)
     finally:
         threading.stack_size(usual)
+
+
+def _thread(body: Any) -> threading.Thread:
+    thread = threading.Thread(target=body, daemon=True)
+    thread.start()
     return thread
 
 
