@@ -20,6 +20,8 @@ from crow.program import (
     Read,
     Type,
     Variable,
+    Vector,
+    VectorType,
 )
 from crow.program.types import is_integer, is_number, is_object, underlying
 
@@ -96,7 +98,7 @@ class Question:
     def has_floats(self) -> bool:
         """Whether any formula computes with floats."""
         return any(
-            is_number(node.type) and not is_integer(node.type) and not isinstance(node, Constant)
+            _is_float(node.type) and not isinstance(node, Constant | Vector)
             for node in in_order(*self.formulas)
         )
 
@@ -109,3 +111,11 @@ class Question:
 
 LEAST_OBJECTS = 3
 MOST_OBJECTS = 6
+
+
+def _is_float(type_: Type) -> bool:
+    """Whether a type is a float, or a vector of them."""
+    plain = underlying(type_)
+    if isinstance(plain, VectorType):
+        return _is_float(plain.element)
+    return is_number(plain) and not is_integer(plain)

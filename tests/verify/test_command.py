@@ -81,6 +81,27 @@ def test_the_how_to_shows_what_is_printed() -> None:
     assert "\n".join(table.splitlines()[:2]) in page
 
 
+def test_objects_of_a_problem_can_be_spoken_of() -> None:
+    text = """problem "p"
+domain "__empty__"
+typedef T
+feature p(x: T)
+feature q(x: T)
+behavior act(x: T):
+  goal: p(x)
+  body:
+    assert q(x)
+  eff:
+    p[special] = True
+objects:
+  special, other: T
+goal: p(other)
+"""
+    ran = cdlc("verify", "-", stdin=text)
+    assert ran.status == 1, ran.err
+    assert "special" in ran.out
+
+
 def test_values_of_every_type_are_shown(golden: Golden) -> None:
     ran = cdlc("verify", "-", stdin=VALUES)
     assert ran.status == 1
@@ -151,6 +172,21 @@ def test_without_z3_the_cure_is_named() -> None:
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == 'error[solver-missing]: z3 is not installed: pip install "cdlc[verify]"\n'
+
+
+def test_vectors_are_of_real_numbers_too() -> None:
+    text = """typedef T
+feature at(x: T) -> vector[float32, 2]
+def wanted(x: T) -> bool:
+  return at(x) == at(x) * 1.0
+behavior act(x: T):
+  goal: wanted(x)
+  eff:
+    at[x] = at(x) + [0.1, 0.1]
+"""
+    found = document("-", stdin=text)
+    (check,) = [c for c in found["files"][0]["behaviors"][0]["checks"] if c["check"] == "goal"]  # type: ignore[index]
+    assert check["notes"] == ["floats are taken as real numbers: rounding is left out"]
 
 
 def test_wrong_usage_has_status_2() -> None:

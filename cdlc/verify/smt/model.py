@@ -69,7 +69,9 @@ class Reader:
         order = [str(self._eval(term)) for term in arguments]
         others = {str(term): term for term in self.universe.others}
         first = [others[name] for name in dict.fromkeys(order) if name in others]
-        objects = []
+        declared = {c.name for c in self.program.constants}
+        own = self.universe.constants.items()
+        objects = [Parameter(name, type_) for name, type_ in own if name not in declared]
         for term in dict.fromkeys([*first, *self.universe.others]):
             kind = self.universe.kinds[self._eval(self.universe.kind(term)).as_long()]
             name = next(n for i in count(1) if (n := f"{kind.lower()}{i}") not in taken)
