@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.lints.goals import mended, near_miss
 from cdlc.ir.symbolic import Conflict, NotModelled, Update
@@ -17,7 +18,6 @@ from cdlc.verify.question import Question
 from cdlc.verify.results import Check, Verdict
 from cdlc.verify.situation import Situation
 from cdlc.verify.smt.ask import Found, can_alias, refute, search
-from cdlc.verify.smt.encode import AFTER
 from cdlc.verify.smt.solver import Answer, Solved
 from cdlc.verify.ways import Way
 from crow.program import And, Apply, Behavior, Expression, Location, Read
@@ -73,7 +73,8 @@ def check_goal(subject: Subject) -> Iterator[Check]:
 def _goal_of(subject: Subject, goal: Expression, triple: Triple, way: Way) -> Check:
     model = subject.model
     formula = model.formula(goal, triple.parameters)
-    after = model.weakest_precondition(_read_after(model, formula, triple), triple)
+    _refuse_stale_calls(model, formula, triple)
+    after = model.weakest_precondition(formula, triple)
     question = Question(model, triple, (model.pool.negation(after),))
 
     def confirm(situation: Situation) -> str:
@@ -92,21 +93,22 @@ def _goal_of(subject: Subject, goal: Expression, triple: Triple, way: Way) -> Ch
     )
 
 
-def _read_after(model: Model, goal: Expression, triple: Triple) -> Expression:
-    """The goal, its external functions that read the state being those of the state after."""
-    readers = {
-        f.name for f in model.program.functions if any(a.name == "reads" for a in f.annotations)
-    }
-    if not triple.post or not readers:
-        return goal
-    pool = model.pool
+def _refuse_stale_calls(model: Model, goal: Expression, triple: Triple) -> None:
+    """Raise NotModelled for an external function that reads what the triple writes.
 
-    def rule(node: Expression) -> Expression:
-        if isinstance(node, Apply) and node.function in readers:
-            return pool.apply(node.function + AFTER, node.arguments, node.type, node.location)
-        return node
-
-    return pool.rebuild(goal, {}, rule)
+    It would be taken for what it was before.
+    """
+    functions = {f.name: f for f in model.program.functions}
+    for node in in_order(goal):
+        if not isinstance(node, Apply):
+            continue
+        for annotation in functions[node.function].annotations:
+            named = annotation.value
+            read = named if isinstance(named, tuple) else (named,)
+            for update in triple.post if annotation.name == "reads" else ():
+                if update.feature in read or not {None, "all"}.isdisjoint(read):
+                    text = f"`{node.function}`, which reads `{update.feature}`, after a write of it"
+                    raise NotModelled(text, node.location)
 
 
 def _did_not_end(situation: Situation) -> str:

@@ -73,9 +73,8 @@ class Question:
                 case Read(feature=name):
                     found |= {features[name].type, *(p.type for p in features[name].parameters)}
                 case Apply(function=name):
-                    function = functions.get(name.partition("'")[0])
-                    if function is not None:
-                        found |= {function.type, *(p.type for p in function.parameters)}
+                    function = functions[name]
+                    found |= {function.type, *(p.type for p in function.parameters)}
                 case Object(type=type_) | Variable(type=type_):
                     found.add(type_)
                 case _:

@@ -77,6 +77,14 @@ def writes(draw: st.DrawFn, scope: tuple[str, ...]) -> str:
 
 
 @st.composite
+def parallel_writes(draw: st.DrawFn, scope: tuple[str, ...]) -> str:
+    """A write in a loop; two iterations may meet in its cell, and perhaps differ."""
+    arguments = [draw(terms(scope)) for _ in range(draw(st.integers(1, 2)))]
+    cell = f"{'p' if len(arguments) == 1 else 'on'}[{', '.join(arguments)}]"
+    return f"{cell} = {draw(st.one_of(st.just('True'), conditions(scope, 1)))}"
+
+
+@st.composite
 def effects(draw: st.DrawFn, scope: tuple[str, ...]) -> list[str]:
     lines: list[str] = []
     for index in range(draw(st.integers(1, 3))):
@@ -85,8 +93,7 @@ def effects(draw: st.DrawFn, scope: tuple[str, ...]) -> list[str]:
                 lines.append(f"if {draw(conditions(scope, 1))}: {draw(writes(scope))}")
             case 1:
                 inner = (*scope, f"w{index}")
-                # Numbers are left out: two iterations would nearly always differ.
-                write = draw(writes(inner).filter(lambda text: not text.startswith("n")))
+                write = draw(parallel_writes(inner))
                 guard = draw(conditions(inner, 1))
                 lines.append(f"foreach w{index}: {draw(st.sampled_from(['T', 'U']))}:")
                 lines.append(f"  if {guard}: {write}")

@@ -107,7 +107,8 @@ behavior act(x: T):
 """
     found = check(text, "goal")
     assert str(found.verdict) == "unknown"
-    assert found.reason == "`sense` reads the state; what it says after is not known"
+    assert found.reason.startswith("`sense`, which reads `p`, after a write of it has no formula")
+    assert verdict(text.replace("reads=p", "reads=q")) == "proved"
     assert verdict(text.replace("[[reads=p]] ", "")) == "proved"
 
 

@@ -10,7 +10,7 @@ import z3
 from cdlc.verify.question import Question
 from cdlc.verify.situation import Situation
 from cdlc.verify.smt.encode import Encoder
-from cdlc.verify.smt.model import NotConcrete, Reader, blocked
+from cdlc.verify.smt.model import Reader, blocked
 from cdlc.verify.smt.solver import Answer, Solved, solve
 from cdlc.verify.smt.universe import Few, TooLarge, Unbounded
 from cdlc.verify.ways import Way
@@ -118,10 +118,7 @@ def search(
             if solved.answer is Answer.UNSAT:
                 break
             reader = Reader(question.model.program, encoder, universe, solved.model)
-            try:
-                situation = reader.situation(question.triple, way, question.variables)
-            except NotConcrete as error:
-                return Found(None, size, reason=str(error))
+            situation = reader.situation(question.triple, way, question.variables)
             problem = confirm(situation)
             if not problem:
                 return Found(situation, size, doubt)

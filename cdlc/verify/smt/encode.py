@@ -51,8 +51,6 @@ from crow.program import (
 from crow.program.types import is_boolean, is_integer, is_number, is_object, underlying
 
 Term = tuple[Any, ...]
-AFTER = "'after"
-"""Ends the name of an external function that reads the state, where that is the state after."""
 
 
 class Encoder:
@@ -249,7 +247,7 @@ class Encoder:
     def _apply(self, node: Apply) -> Term:
         """An external function, uninterpreted; a vector gives as many arguments as components."""
         name = node.function
-        function = self.declared_functions[name.removesuffix(AFTER)]
+        function = self.declared_functions[name]
         self.functions[name] = function
         arguments: list[Any] = []
         for parameter, argument in zip(function.parameters, node.arguments, strict=True):

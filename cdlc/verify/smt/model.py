@@ -10,7 +10,7 @@ import z3
 
 from cdlc.ir.hoare import Triple
 from cdlc.verify.situation import Opaque, Situation, Table, filler
-from cdlc.verify.smt.encode import AFTER, Encoder
+from cdlc.verify.smt.encode import Encoder
 from cdlc.verify.smt.universe import Few
 from cdlc.verify.ways import Way
 from crow.problem import State, World
@@ -28,10 +28,6 @@ from crow.program.types import STRING, is_boolean, is_integer, is_number, underl
 from crow.values import Value
 
 
-class NotConcrete(Exception):  # noqa: N818 - the answer is only not shown
-    """What z3 found cannot be tried out by the interpreter."""
-
-
 @dataclass
 class Reader:
     """Reads one model of z3."""
@@ -42,11 +38,7 @@ class Reader:
     found: Any
 
     def situation(self, triple: Triple, way: Way, variables: tuple[Parameter, ...]) -> Situation:
-        """The situation. Raises NotConcrete if a function reads the state after the behavior."""
-        for name in self.encoder.functions:
-            if name.endswith(AFTER):
-                reader = name.removesuffix(AFTER)
-                raise NotConcrete(f"`{reader}` reads the state; what it says after is not known")
+        """The situation, with values for some variables."""
         self._name_objects(triple)
         values = {
             v.name: self._value(self.encoder.variable(v.name, v.type), v.type) for v in variables
