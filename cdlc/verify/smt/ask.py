@@ -9,9 +9,9 @@ import z3
 
 from cdlc.verify.question import Question
 from cdlc.verify.situation import Situation
-from cdlc.verify.smt.encode import Encoder
+from cdlc.verify.smt.encode import Encoder, TimedOut
 from cdlc.verify.smt.model import Reader, blocked
-from cdlc.verify.smt.solver import Answer, Solved, solve
+from cdlc.verify.smt.solver import TIMED_OUT, Answer, Solved, solve
 from cdlc.verify.smt.universe import Few, TooLarge, Unbounded
 from cdlc.verify.ways import Way
 from crow.program import Parameter, Variable
@@ -77,9 +77,12 @@ def _for_all(variables: tuple[Any, ...], body: Any, encoder: Encoder) -> Any:
 def refute(question: Question, deadline: float, *, core: bool = False) -> Solved:
     """Whether z3 shows that no state, of any size, is an answer. Raises NotModelled."""
     universe = Unbounded(_hierarchy(question), question.kinds, question.constants)
-    encoder = Encoder(question.model.program, universe)
-    pre = facts(question, encoder)
-    rest = assertions(question, encoder, hints=False)
+    encoder = Encoder(question.model.program, universe, deadline)
+    try:
+        pre = facts(question, encoder)
+        rest = assertions(question, encoder, hints=False)
+    except TimedOut:
+        return Solved(Answer.UNKNOWN, reason=TIMED_OUT)
     if core:
         return solve(universe.ctx, rest, deadline, pre)
     return solve(universe.ctx, [*pre, *rest], deadline)
@@ -105,11 +108,13 @@ def search(
     doubt = ""
     for count in range(question.enough_objects + 1):
         universe = Few(_hierarchy(question), question.kinds, question.constants, count)
-        encoder = Encoder(question.model.program, universe)
+        encoder = Encoder(question.model.program, universe, deadline)
         try:
             asked = [*facts(question, encoder), *assertions(question, encoder, hints=True)]
         except TooLarge:
             return Found(None, size, doubt, "more objects make too large a formula")
+        except TimedOut:
+            return Found(None, size, doubt, TIMED_OUT)
         asked += _apart(question, encoder) if apart else []
         for _ in range(_TRIES):
             solved = solve(universe.ctx, asked, deadline)

@@ -7,6 +7,7 @@ condition under which the interpreter gives it one: no division by zero, every w
 its type. Both sides of `and`, `or` and `if` are evaluated as far as the interpreter does.
 """
 
+import time
 from collections.abc import Iterator
 from typing import Any, assert_never
 
@@ -53,11 +54,20 @@ from crow.program.types import is_boolean, is_integer, is_number, is_object, und
 Term = tuple[Any, ...]
 
 
+# How many nodes are translated between two looks at the clock.
+_BETWEEN_LOOKS = 256
+
+
+class TimedOut(Exception):  # noqa: N818 - a limit, nothing is wrong
+    """A formula so large that the time has passed before z3 has seen it."""
+
+
 class Encoder:
     """Translates the formulas of one pool; `features` and `functions` are those that occurred."""
 
-    def __init__(self, program: Program, universe: Universe) -> None:
+    def __init__(self, program: Program, universe: Universe, deadline: float) -> None:
         self.universe = universe
+        self.deadline = deadline
         self.ctx = universe.ctx
         self.declared_features = {f.name: f for f in program.features}
         self.declared_functions = {f.name: f for f in program.functions}
@@ -72,13 +82,18 @@ class Encoder:
     # ------------------------------------------------------------------------------------- public
 
     def value(self, node: Expression) -> Term:
-        """The value of an expression. Raises NotModelled for what has none in z3."""
+        """The value of an expression.
+
+        Raises NotModelled for what has none in z3, TimedOut at the deadline.
+        """
         self._kept.append(node)
         for part in in_order(node):
             if id(part) not in self._values:
                 self._values[id(part)] = self._translate(part)
                 if conditions := self._defined(part):
                     self._conditions[id(part)] = self._all(tuple(conditions))
+                if len(self._values) % _BETWEEN_LOOKS == 0 and time.monotonic() > self.deadline:
+                    raise TimedOut
         return self._values[id(node)]
 
     def condition(self, node: Expression) -> Any:

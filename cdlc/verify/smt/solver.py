@@ -16,7 +16,7 @@ import z3
 _STACK = 512 << 20
 # How long after its time limit z3 is told to stop.
 _GRACE = 0.5
-_TIMED_OUT = "not decided within the time limit"
+TIMED_OUT = "not decided within the time limit"
 
 
 _local = threading.local()
@@ -58,7 +58,7 @@ def solve(
     """
     seconds = deadline - time.monotonic()
     if seconds <= 0:
-        return Solved(Answer.UNKNOWN, reason=_TIMED_OUT)
+        return Solved(Answer.UNKNOWN, reason=TIMED_OUT)
     solver = z3.Solver(ctx=ctx)
     # Its handler would swallow the interrupt of this process.
     solver.set(ctrl_c=False, timeout=max(1, int(seconds * 1000)))
@@ -122,5 +122,5 @@ def _thread(body: Any) -> threading.Thread:
 def _reason(outcome: Any, solver: Any) -> str:
     said = str(outcome) if isinstance(outcome, z3.Z3Exception) else solver.reason_unknown()
     if any(word in said for word in ("timeout", "canceled", "interrupted")):
-        return _TIMED_OUT
+        return TIMED_OUT
     return f"z3 gave up: {said}"
