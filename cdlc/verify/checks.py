@@ -19,7 +19,7 @@ from cdlc.verify.results import Check, Verdict
 from cdlc.verify.situation import Situation
 from cdlc.verify.smt.ask import Found, can_alias, refute, search
 from cdlc.verify.smt.solver import Answer, Solved
-from cdlc.verify.ways import Way
+from cdlc.verify.ways import Ways
 from crow.program import And, Apply, Behavior, Expression, Location, Read
 from crow.program.types import is_object
 from crow.program.walk import statements_within, subexpressions
@@ -32,11 +32,11 @@ REAL_NUMBERS = "floats are taken as real numbers: rounding is left out"
 
 @dataclass(frozen=True)
 class Subject:
-    """A behavior, its triples, and the way through its body that each is of."""
+    """A behavior, its triples, and the ways through its body that each may be of."""
 
     model: Model
     behavior: Behavior
-    cases: tuple[tuple[Triple, Way], ...]
+    cases: tuple[tuple[Triple, Ways], ...]
     time_limit: float
 
     @property
@@ -67,10 +67,10 @@ def check_goal(subject: Subject) -> Iterator[Check]:
     goal = subject.behavior.goal
     if goal is None or goal.location is None:
         return
-    yield _worst([_goal_of(subject, goal, triple, way) for triple, way in subject.cases])
+    yield _worst([_goal_of(subject, goal, triple, ways) for triple, ways in subject.cases])
 
 
-def _goal_of(subject: Subject, goal: Expression, triple: Triple, way: Way) -> Check:
+def _goal_of(subject: Subject, goal: Expression, triple: Triple, ways: Ways) -> Check:
     model = subject.model
     formula = model.formula(goal, triple.parameters)
     _refuse_stale_calls(model, formula, triple)
@@ -83,7 +83,7 @@ def _goal_of(subject: Subject, goal: Expression, triple: Triple, way: Way) -> Ch
         value = situation.after(goal)
         return "" if value is False else f"the goal is {value} when it is run"
 
-    decided = _decide(question, way, confirm, subject.time_limit)
+    decided = _decide(question, ways, confirm, subject.time_limit)
     if decided.situation is None:
         return _check("goal", decided, question)
     small = smaller(decided.situation, confirm)
@@ -154,17 +154,17 @@ def _equal_arguments(situation: Situation) -> tuple[str, ...]:
 def check_applicable(subject: Subject) -> Iterator[Check]:
     """That some state satisfies the conditions, and the effect ends there."""
     checks = []
-    for triple, way in subject.cases:
-        checks.append(_applicable(subject, triple, way))
+    for triple, ways in subject.cases:
+        checks.append(_applicable(subject, triple, ways))
         if checks[-1].verdict is Verdict.PROVED:
             break
     yield _best(checks)
 
 
-def _applicable(subject: Subject, triple: Triple, way: Way) -> Check:
+def _applicable(subject: Subject, triple: Triple, ways: Ways) -> Check:
     question = Question(subject.model, triple)
     start = time.monotonic()
-    found = search(question, way, _did_not_end, start + _SEARCH * subject.time_limit)
+    found = search(question, ways, _did_not_end, start + _SEARCH * subject.time_limit)
     if found.situation is not None:
         return Check("applicable", Verdict.PROVED)
     solved = refute(question, start + subject.time_limit, core=True)
@@ -239,11 +239,11 @@ def check_guards(subject: Subject) -> Iterator[Check]:
     Copies of one statement, of an unrolled loop or of several triples, count as one.
     """
     pool = subject.model.pool
-    places: dict[Location, list[tuple[Triple, Way, Update]]] = {}
-    for triple, way in subject.cases:
+    places: dict[Location, list[tuple[Triple, Ways, Update]]] = {}
+    for triple, ways in subject.cases:
         for update in triple.post:
             if update.location is not None:
-                places.setdefault(update.location, []).append((triple, way, update))
+                places.setdefault(update.location, []).append((triple, ways, update))
     checks = [
         _guard(subject, place, copies)
         for place, copies in places.items()
@@ -253,10 +253,10 @@ def check_guards(subject: Subject) -> Iterator[Check]:
         yield _worst(checks)
 
 
-def _guard(subject: Subject, place: Location, copies: list[tuple[Triple, Way, Update]]) -> Check:
+def _guard(subject: Subject, place: Location, copies: list[tuple[Triple, Ways, Update]]) -> Check:
     checks = []
     limit = subject.time_limit / len(copies)
-    for triple, way, update in copies:
+    for triple, ways, update in copies:
         question = Question(subject.model, triple, (update.guard,))
         start = time.monotonic()
 
@@ -264,7 +264,7 @@ def _guard(subject: Subject, place: Location, copies: list[tuple[Triple, Way, Up
             ended = _did_not_end(situation)
             return ended or ("" if situation.before(update.guard) else "its guard is false")
 
-        found = search(question, way, confirm, start + _SEARCH * limit)
+        found = search(question, ways, confirm, start + _SEARCH * limit)
         if found.situation is not None:
             return Check("guards", Verdict.PROVED)
         solved = refute(question, start + limit)
@@ -282,15 +282,15 @@ def _guard(subject: Subject, place: Location, copies: list[tuple[Triple, Way, Up
 def check_writes(subject: Subject) -> Iterator[Check]:
     """That iterations of a `foreach` agree where they write one cell."""
     checks = [
-        _conflict(subject, triple, way, conflict)
-        for triple, way in subject.cases
+        _conflict(subject, triple, ways, conflict)
+        for triple, ways in subject.cases
         for conflict in triple.conflicts
     ]
     if checks:
         yield _worst(checks)
 
 
-def _conflict(subject: Subject, triple: Triple, way: Way, conflict: Conflict) -> Check:
+def _conflict(subject: Subject, triple: Triple, ways: Ways, conflict: Conflict) -> Check:
     pool = subject.model.pool
     # The condition says nothing of an `if` around the loop; where one write is done, it is entered.
     done = [
@@ -305,7 +305,7 @@ def _conflict(subject: Subject, triple: Triple, way: Way, conflict: Conflict) ->
         is_found = situation.is_possible and situation.has_conflict
         return "" if is_found else "the iterations agree when it is run"
 
-    decided = _decide(question, way, confirm, subject.time_limit)
+    decided = _decide(question, ways, confirm, subject.time_limit)
     if decided.situation is None:
         return _check("writes", decided, question)
     first, second = conflict.first.location, conflict.second.location
@@ -322,7 +322,7 @@ def _conflict(subject: Subject, triple: Triple, way: Way, conflict: Conflict) ->
 # ------------------------------------------------------------------------------------------- shared
 
 
-def _decide(question: Question, way: Way, confirm: Confirm, limit: float) -> _Decided:
+def _decide(question: Question, ways: Ways, confirm: Confirm, limit: float) -> _Decided:
     """Whether a question has an answer: a quick proof, a search, and a proof that takes longer."""
     start = time.monotonic()
     first = refute(question, start + _FIRST_PROOF * limit)
@@ -330,9 +330,9 @@ def _decide(question: Question, way: Way, confirm: Confirm, limit: float) -> _De
         return _Decided(Verdict.PROVED)
     until = start + _SEARCH * limit
     aliases = can_alias(question)
-    found = search(question, way, confirm, until, apart=aliases)
+    found = search(question, ways, confirm, until, apart=aliases)
     if aliases and found.situation is None:
-        found = search(question, way, confirm, until)
+        found = search(question, ways, confirm, until)
         if found.situation is not None:
             return _Decided(Verdict.REFUTED, found.situation, is_aliased=True)
     if found.situation is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.symbolic import NotModelled
 from cdlc.verify.errors import SolverMissing
-from cdlc.verify.ways import ways
+from cdlc.verify.ways import ways_of_triples
 from crow.program import Behavior, Program
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def _behavior(
         triples = model.triples(behavior)
     except NotModelled as missing:
         return Verified(behavior.name, (unmodelled("model", missing),)), ()
-    cases = tuple(zip(triples, ways(model.program, behavior), strict=True))
+    cases = tuple(zip(triples, ways_of_triples(model.program, behavior, len(triples)), strict=True))
     subject = Subject(model, behavior, cases, time_limit)
     return Verified(behavior.name, tuple(_checks(subject))), triples
 

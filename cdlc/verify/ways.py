@@ -2,7 +2,7 @@
 
 The Hoare model makes a triple of every choice of an `alternative` and of every order of an
 `unordered` group (cdlc.ir.hoare); the interpreter runs bodies that leave no choice. These are the
-bodies, in the order of the triples.
+bodies, in the order of choices.
 """
 
 from collections.abc import Mapping
@@ -22,16 +22,27 @@ class Way:
     called: tuple[Behavior, ...] = ()
 
 
+Ways = tuple[Way, ...]
 _Ended = tuple[tuple[Statement, ...], tuple[Behavior, ...]]
 
 
-def ways(program: Program, behavior: Behavior) -> tuple[Way, ...]:
+def ways(program: Program, behavior: Behavior) -> Ways:
     """The ways through a behavior; at most one more than a Hoare model may have triples."""
     behaviors = {b.name: b for b in program.behaviors}
     return tuple(
         Way(replace(behavior, left=body, promotable=None, right=()), called)
         for body, called in _block(body_of(behavior), behaviors)
     )
+
+
+def ways_of_triples(program: Program, behavior: Behavior, count: int) -> tuple[Ways, ...]:
+    """For each of the behavior's triples the ways it may be of.
+
+    Usually one each, in order. Where the model has seen that orders make no difference, there are
+    fewer triples than ways; then each triple is tried in all of them.
+    """
+    found = ways(program, behavior)
+    return tuple((way,) for way in found) if len(found) == count else (found,) * count
 
 
 def _block(statements: tuple[Statement, ...], behaviors: Mapping[str, Behavior]) -> list[_Ended]:

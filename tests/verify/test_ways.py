@@ -6,7 +6,7 @@ from programs import program_of
 from verifying import check, report, verdict
 
 from cdlc.ir.hoare import Model
-from cdlc.verify.ways import ways
+from cdlc.verify.ways import ways, ways_of_triples
 
 HEAD = """
 typedef T
@@ -72,6 +72,15 @@ def test_ways_through_bodies(goal: str, body: str, effect: str, count: int, expe
     behavior = next(b for b in program.behaviors if b.name == "act")
     assert len(Model(program).triples(behavior)) == len(ways(program, behavior)) == count
     assert verdict(text) == expected
+
+
+def test_triples_of_several_ways_are_tried_in_all_of_them() -> None:
+    text = acting("q(x)", "unordered:\n  do set_p(x)\n  do unset_p(x)", "q[x] = True")
+    program = program_of(text)
+    behavior = next(b for b in program.behaviors if b.name == "act")
+    both = ways(program, behavior)
+    assert ways_of_triples(program, behavior, 2) == ((both[0],), (both[1],))
+    assert ways_of_triples(program, behavior, 1) == (both,)
 
 
 def test_what_has_no_model_is_unknown_and_the_rest_is_verified() -> None:

@@ -1,7 +1,7 @@
 """A question over a few objects or over any number of them, as z3 gets it."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -13,7 +13,7 @@ from cdlc.verify.smt.encode import Encoder, TimedOut
 from cdlc.verify.smt.model import Reader, blocked
 from cdlc.verify.smt.solver import TIMED_OUT, Answer, Solved, solve
 from cdlc.verify.smt.universe import Few, TooLarge, Unbounded
-from cdlc.verify.ways import Way
+from cdlc.verify.ways import Ways
 from crow.program import Parameter, Variable
 from crow.program.types import is_object
 
@@ -93,7 +93,7 @@ def refute(question: Question, deadline: float, *, core: bool = False) -> Solved
 
 def search(
     question: Question,
-    way: Way,
+    ways: Ways,
     confirm: Callable[[Situation], str],
     deadline: float,
     *,
@@ -101,8 +101,8 @@ def search(
 ) -> Found:
     """A smallest situation that answers the question.
 
-    `confirm` tries one out and says what is wrong with it, or nothing. With `apart`, arguments are
-    different objects. Raises NotModelled.
+    `confirm` tries one out, in each of the ways, and says what is wrong with it, or nothing. With
+    `apart`, arguments are different objects. Raises NotModelled.
     """
     size: int | None = None
     doubt = ""
@@ -123,11 +123,12 @@ def search(
             if solved.answer is Answer.UNSAT:
                 break
             reader = Reader(question.model.program, encoder, universe, solved.model)
-            situation = reader.situation(question.triple, way, question.variables)
-            problem = confirm(situation)
-            if not problem:
-                return Found(situation, size, doubt)
-            doubt = problem
+            first = reader.situation(question.triple, ways[0], question.variables)
+            situations = [replace(first, way=way) for way in ways]
+            problems = list(map(confirm, situations))
+            if "" in problems:
+                return Found(situations[problems.index("")], size, doubt)
+            doubt = problems[0]
             asked.append(blocked(reader, {v.name: v.type for v in question.variables}))
         size = count if not doubt else size
     return Found(None, size, doubt)
