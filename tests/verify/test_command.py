@@ -29,7 +29,7 @@ behavior act(x: int64, y: int64, z: int64):
 """
 VALUES = """
 typedef T
-typedef Pose: vector[float32, 2]
+typedef Pose: vector[float64, 2]
 typedef Plan: pyobject
 feature at(x: T) -> Pose
 feature named(x: T) -> string
@@ -176,7 +176,7 @@ def test_without_z3_the_cure_is_named() -> None:
 
 def test_vectors_are_of_real_numbers_too() -> None:
     text = """typedef T
-feature at(x: T) -> vector[float32, 2]
+feature at(x: T) -> vector[float64, 2]
 def wanted(x: T) -> bool:
   return at(x) == at(x) * 1.0
 behavior act(x: T):

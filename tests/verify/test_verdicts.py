@@ -125,9 +125,9 @@ feature on(x: T, y: T)
 feature at(x: T) -> T
 feature inside(x: T) -> V
 feature name(x: T) -> string
-feature pose(x: T) -> vector[float32, 2]
+feature pose(x: T) -> vector[float64, 2]
 def near(x: T, y: T) -> bool
-def middle(a: vector[float32, 2], b: vector[float32, 2]) -> vector[float32, 2]
+def middle(a: vector[float64, 2], b: vector[float64, 2]) -> vector[float64, 2]
 def all_on(x: T) -> bool:
   return forall y: T: on(y, x)
 """
