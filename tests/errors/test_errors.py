@@ -36,6 +36,8 @@ STAGES = {
     "no-hoare-model": "triples",
     "no-initial-value": "problem",
     "not-in-pddl": "pddl",
+    "not-discrete": "pddl",
+    "unset-in-pddl": "pddl",
 }
 # What needs more than a file to happen, with the test of it.
 ELSEWHERE = {

@@ -120,7 +120,11 @@ class Simulated:
         (action,) = self.task.actions
         (source,) = action.sources
         values = dict(zip(case.parameters, arguments, strict=True))
-        by_parameter = {p: values[v.name] for v, p in source.variables if p is not None}
+        by_parameter = {
+            c.parameter: values[c.variable.name]
+            for c in source.variables
+            if c.parameter is not None
+        }
         names = [self.task.names.get("object", by_parameter[p.name]) for p in action.parameters]
         objects = [self.pddl.object(name.lower()) for name in names]
         before = self.simulator.get_initial_state()

@@ -4,37 +4,40 @@ D.6 has seven behaviors for four operators; one action for each of them would co
 many operators again.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
-from cdlc.backends.pddl.conditions import (
-    ALWAYS,
-    NEVER,
-    Lowering,
-    NotPddl,
-    SExpr,
-    atom,
-    condition,
-    typed,
-)
+from cdlc.backends.pddl.conditions import Lowering, condition, typed
+from cdlc.backends.pddl.effects import effects, overruling
 from cdlc.backends.pddl.names import Names, variable_name
+from cdlc.backends.pddl.normal import NormalTriple, normal
+from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.pool import Pool
 from cdlc.ir.symbolic import Executor, Update
-from crow.program import BOOL, And, Expression, Parameter, Program, Read, Type, Variable
+from crow.program import Expression, Object, Parameter, Program, Type, Variable
 from crow.program.types import is_object
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
-    """A behavior an action stands for: its parameters and binds, by the action's parameter.
+class Chosen:
+    """What a variable of a behavior is: a parameter of the action, or always the same object.
 
-    One that the transition does not depend on has none.
+    Neither for a variable that the transition does not depend on.
     """
 
+    variable: Parameter
+    parameter: str | None = None
+    object: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A behavior an action stands for: what its parameters and binds are."""
+
     behavior: str
-    variables: tuple[tuple[Parameter, str | None], ...]
+    variables: tuple[Chosen, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,17 +60,30 @@ def actions(model: Model, triples: Sequence[Triple], names: Names) -> tuple[Acti
     """
     groups: list[list[_Ordered]] = []
     index: dict[object, list[_Ordered]] = {}
-    for triple in triples:
-        _refuse(triple)
+    for declared in triples:
+        _refuse(declared)
+        triple = _Named(declared, normal(declared, model))
         found = next((o for o in _orders(model, triple) if o.key in index), None)
         if found is not None:
             index[found.key].append(found)
         else:
-            declared = next(_orders(model, triple))
-            index[declared.key] = [declared]
-            groups.append(index[declared.key])
+            first = next(_orders(model, triple))
+            index[first.key] = [first]
+            groups.append(index[first.key])
     made = (_action(model, group, names) for group in groups)
     return tuple(action for action in made if action is not None)
+
+
+@dataclass(frozen=True, slots=True)
+class _Named:
+    """A triple as declared, and its normal form."""
+
+    declared: Triple
+    form: NormalTriple
+
+    @property
+    def normal(self) -> Triple:
+        return self.form.triple
 
 
 def _refuse(triple: Triple) -> None:
@@ -92,23 +108,29 @@ class _Ordered:
     keys.
     """
 
-    triple: Triple
+    named: _Named
     order: tuple[str, ...]
     key: object
 
+    @property
+    def triple(self) -> Triple:
+        """The triple in normal form."""
+        return self.named.normal
 
-def _orders(model: Model, triple: Triple) -> Iterator[_Ordered]:
+
+def _orders(model: Model, named: _Named) -> Iterator[_Ordered]:
     """The orders of the variables the transition depends on, the declared one first.
 
     Those of the calls come first, as they stand there.
     """
+    triple = named.normal
     called = _variables((a for call in triple.calls for a in call.arguments), model.pool)
     formulas = (e for u in triple.post for e in (*u.arguments, u.value, u.guard))
     used = {*called, *_variables((*triple.pre, *formulas), model.pool)}
     others = [p.name for p in triple.parameters if p.name in used and p.name not in called]
     for other in permutations(others) if len(others) <= _MOST_ORDERED else [tuple(others)]:
         order = (*called, *other)
-        yield _Ordered(triple, order, _key(model, triple, order))
+        yield _Ordered(named, order, _key(model, triple, order))
 
 
 def _variables(expressions: Iterable[Expression], pool: Pool) -> tuple[str, ...]:
@@ -133,8 +155,7 @@ def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
     )
     updates = tuple(_renamed_update(update, pool, places) for update in triple.post)
     post = frozenset(
-        (_identity(u), frozenset(map(_identity, _overruling(u, updates, executor))))
-        for u in updates
+        (_identity(u), frozenset(map(_identity, overruling(u, updates, executor)))) for u in updates
     )
     return (tuple(types[name] for name in order), calls, pre, post)
 
@@ -158,18 +179,6 @@ def _identity(update: Update) -> tuple[object, ...]:
     return (update.feature, *map(id, formulas))
 
 
-def _overruling(update: Update, post: tuple[Update, ...], executor: Executor) -> tuple[Update, ...]:
-    """The later updates that may put another value into the same cell."""
-    later = post[post.index(update) + 1 :]
-    return tuple(
-        other
-        for other in later
-        if other.feature == update.feature
-        and other.value is not update.value
-        and executor.meets(other, update.arguments) is not executor.pool.false
-    )
-
-
 # --------------------------------------------------------------------------------------- actions
 
 
@@ -177,26 +186,41 @@ def _action(model: Model, group: list[_Ordered], names: Names) -> Action | None:
     first = group[0]
     triple = first.triple
     chosen = _parameter_names(model.program, first)
-    lowering = Lowering(names, {name: f"?{chosen[name]}" for name in first.order})
+    lowering = Lowering(names, model.pool, {name: f"?{chosen[name]}" for name in first.order})
     executor = Executor(model.program, model.pool)
     precondition = condition(model.pool.conjunction(triple.pre), lowering)
-    effects = tuple(_effects(triple.post, lowering, executor))
     if precondition == NEVER:
         return None
+    clauses = tuple(effects(triple.post, triple.pre, lowering, executor))
     types = {p.name: p.type for p in triple.parameters}
     return Action(
         names.add("action", _name(triple, names)),
         tuple(Parameter(chosen[name], types[name]) for name in first.order),
         precondition,
-        effects,
+        clauses,
         tuple(_source(same, [chosen[name] for name in first.order]) for same in group),
     )
 
 
 def _source(ordered: _Ordered, parameters: list[str]) -> Source:
     places = dict(zip(ordered.order, parameters, strict=True))
-    variables = tuple((p, places.get(p.name)) for p in ordered.triple.parameters)
-    return Source(ordered.triple.behavior, variables)
+    fixed = ordered.named.form.fixed
+    own = ordered.named.declared.parameters
+    return Source(
+        ordered.triple.behavior, tuple(_chosen(variable, places, fixed) for variable in own)
+    )
+
+
+def _chosen(
+    variable: Parameter, places: Mapping[str, str], fixed: Mapping[str, Expression]
+) -> Chosen:
+    match fixed.get(variable.name):
+        case Object(name=name):
+            return Chosen(variable, object=name)
+        case Variable(name=name):
+            return Chosen(variable, places.get(name))
+        case _:
+            return Chosen(variable, places.get(variable.name))
 
 
 def _parameter_names(program: Program, ordered: _Ordered) -> dict[str, str]:
@@ -220,63 +244,6 @@ def _name(triple: Triple, names: Names) -> str:
         if not names.has("action", name):
             return name
     return triple.behavior
-
-
-def _effects(post: tuple[Update, ...], lowering: Lowering, executor: Executor) -> Iterator[SExpr]:
-    """The clauses of an effect: simultaneous, with PDDL's add after delete.
-
-    An earlier update is guarded against a later one in the same cell, except where the later one
-    adds: then both fire, and the add wins.
-    """
-    pool = executor.pool
-    for update in post:
-        overruled = [
-            pool.negation(executor.meets(other, update.arguments))
-            for other in _overruling(update, post, executor)
-            if other.value is not pool.true
-        ]
-        guard = pool.conjunction((update.guard, *overruled))
-        yield from _clauses(update, guard, lowering, executor)
-
-
-def _clauses(
-    update: Update, guard: Expression, lowering: Lowering, executor: Executor
-) -> Iterator[SExpr]:
-    """The add and the delete of one update."""
-    pool = executor.pool
-    bound = tuple(Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable))
-    inner = lowering.with_variables(bound)
-    cell = pool.read(update.feature, update.arguments, BOOL)
-    assert isinstance(cell, Read)
-    written = atom(cell, inner)
-    adds, deletes = _when_written(update, guard, cell, pool)
-    for when, effect in ((deletes, ("not", written)), (adds, written)):
-        lowered = condition(when, inner)
-        if lowered == NEVER:
-            continue
-        clause: SExpr = effect if lowered == ALWAYS else ("when", lowered, effect)
-        if bound:
-            named = [(inner.variables[v.name], v.type) for v in bound]
-            clause = ("forall", typed(named, inner.names), clause)
-        yield clause
-
-
-def _when_written(
-    update: Update, guard: Expression, cell: Expression, pool: Pool
-) -> tuple[Expression, Expression]:
-    """When an update adds and when it deletes.
-
-    An add is needed only where the cell is false before, a delete only where it is true.
-    """
-    known = guard.operands if isinstance(guard, And) else (guard,)
-    from_false = pool.given(update.value, (*known, pool.negation(cell)))
-    from_true = pool.given(update.value, (*known, cell))
-    deletes = pool.conjunction((guard, pool.negation(from_true)))
-    if from_false is from_true:
-        return pool.conjunction((guard, from_true)), deletes
-    # Where the cell is true and becomes false, the add must not fire: it would win.
-    stays = pool.disjunction((pool.negation(cell), from_true))
-    return pool.conjunction((guard, from_false, stays)), deletes
 
 
 def parameter_list(action: Action, names: Names) -> tuple[SExpr, ...]:

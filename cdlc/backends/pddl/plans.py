@@ -81,12 +81,18 @@ def _transition(
 ) -> PlannedTransition:
     behavior = world.behaviors[source.behavior]
     own: dict[str, str] = {}
-    for variable, parameter in source.variables:
-        # What the transition does not depend on may be any object of its type.
-        objects = (values[parameter],) if parameter else world.objects_of(variable.type)
-        if not objects:
-            needed = f"`{behavior.name}` needs an object of type `{variable.type}`"
-            raise PlanFormatError(f"{needed}, and there is none", line)
-        own[variable.name] = objects[0]
+    for chosen in source.variables:
+        variable = chosen.variable
+        if chosen.parameter is not None:
+            own[variable.name] = values[chosen.parameter]
+        elif chosen.object is not None:
+            own[variable.name] = chosen.object
+        else:
+            # What the transition does not depend on may be any object of its type.
+            objects = world.objects_of(variable.type)
+            if not objects:
+                needed = f"`{behavior.name}` needs an object of type `{variable.type}`"
+                raise PlanFormatError(f"{needed}, and there is none", line)
+            own[variable.name] = objects[0]
     arguments = tuple(own.pop(parameter.name) for parameter in behavior.parameters)
     return PlannedTransition(behavior.name, arguments, own, also)

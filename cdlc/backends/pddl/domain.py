@@ -1,0 +1,186 @@
+"""The text of a PDDL domain: deterministic, readable, no larger than a person's."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cdlc.backends.pddl.actions import Action, parameter_list
+from cdlc.backends.pddl.conditions import type_name, typed
+from cdlc.backends.pddl.names import Names, legal_name, variable_name
+from cdlc.backends.pddl.sexpr import SExpr, conjuncts, printed
+from crow.program import Feature, ObjectType, Program
+from crow.program.types import is_boolean, is_number, is_object
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """What the text of a domain is made of.
+
+    `conditions` are those outside of actions that the requirements have to cover.
+    """
+
+    program: Program
+    names: Names
+    actions: tuple[Action, ...]
+    conditions: tuple[SExpr, ...] = ()
+
+
+def domain_text(domain: Domain) -> str:
+    """The domain, without its heading."""
+    program, names = domain.program, domain.names
+    parts = [
+        f"(:requirements {' '.join(_requirements(domain))})",
+        *_types(program, names),
+        *_constants(program, names),
+        *_predicates(program, names),
+        *_functions(program, names),
+        *(_action(action, names) for action in domain.actions),
+    ]
+    return f"(define (domain {legal_name(program.name)})\n{sections(parts)})\n"
+
+
+def sections(parts: list[str]) -> str:
+    """Sections, indented under a `define`."""
+    return "\n".join("  " + part.replace("\n", "\n  ") for part in parts)
+
+
+def clauses(parts: tuple[SExpr, ...]) -> str:
+    """A conjunction, one clause a line."""
+    if not parts:
+        return "(and)"
+    return "(and\n    " + "\n    ".join(printed(part) for part in parts) + ")"
+
+
+# ------------------------------------------------------------------------------------ requirements
+
+
+def _requirements(domain: Domain) -> Iterator[str]:
+    """The requirements that are used, in the order of the PDDL manuals."""
+    made = domain.actions
+    guards = [guard for a in made for e in a.effects for guard in _guards(e)]
+    conditions = [*(a.precondition for a in made), *domain.conditions, *guards]
+    words = {word for c in conditions for word in _words(c)}
+    features = domain.program.features
+    yield ":strips"
+    if any(type_.is_object for type_ in domain.program.types):
+        yield ":typing"
+    if "not" in words:
+        yield ":negative-preconditions"
+    if "or" in words or any(_negates_compound(c) for c in conditions):
+        yield ":disjunctive-preconditions"
+    if any(_has_equality(c) for c in conditions):
+        yield ":equality"
+    if "exists" in words:
+        yield ":existential-preconditions"
+    if "forall" in words:
+        yield ":universal-preconditions"
+    if guards or any(e[0] == "forall" for a in made for e in a.effects):
+        yield ":conditional-effects"
+    if any(is_number(feature.type) for feature in features):
+        yield ":numeric-fluents"
+
+
+def _guards(effect: SExpr) -> Iterator[SExpr]:
+    match effect:
+        case ("when", guard, _):
+            yield guard
+        case ("forall", _, inner):
+            yield from _guards(inner)
+        case _:
+            return
+
+
+def _words(formula: SExpr) -> Iterator[str]:
+    if isinstance(formula, tuple) and formula:
+        if isinstance(formula[0], str):
+            yield formula[0]
+        for part in formula[1:]:
+            yield from _words(part)
+
+
+def _has_equality(formula: SExpr) -> bool:
+    """Whether objects are compared; numbers are another requirement's."""
+    match formula:
+        case ("=", str(left), str(right)):
+            return left.startswith("?") or right.startswith("?") or not _is_number(right)
+        case tuple():
+            return any(_has_equality(part) for part in formula)
+        case _:
+            return False
+
+
+def _is_number(text: str) -> bool:
+    return text.removeprefix("-")[:1].isdigit()
+
+
+def _negates_compound(formula: SExpr) -> bool:
+    match formula:
+        case ("not", ("and" | "exists" | "forall", *_)):
+            return True
+        case tuple():
+            return any(_negates_compound(part) for part in formula)
+        case _:
+            return False
+
+
+# ------------------------------------------------------------------------------------ declarations
+
+
+def _types(program: Program, names: Names) -> Iterator[str]:
+    """Types with their parents; siblings together, and roots last, as people write them."""
+    listed = [(t.name, str(t.base)) for t in program.types if t.is_object]
+    if not listed:
+        return
+    if all(parent == "object" for _, parent in listed):
+        yield f"(:types {' '.join(names.get('type', name) for name, _ in listed)})"
+        return
+    by_parent: dict[str, list[str]] = {}
+    for name, parent in listed:
+        by_parent.setdefault(parent, []).append(names.get("type", name))
+    lines = [
+        f"{' '.join(children)} - {type_name(ObjectType(parent), names)}"
+        for parent, children in sorted(by_parent.items(), key=lambda item: item[0] == "object")
+    ]
+    yield "(:types\n  " + "\n  ".join(lines) + ")"
+
+
+def _constants(program: Program, names: Names) -> Iterator[str]:
+    if program.constants:
+        listed = [(names.get("object", c.name), c.type) for c in program.constants]
+        yield printed((":constants", *typed(listed, names)))
+
+
+def _predicates(program: Program, names: Names) -> Iterator[str]:
+    lines = [printed(_declared(f, names)) for f in program.features if not is_number(f.type)]
+    if lines:
+        yield "(:predicates\n  " + "\n  ".join(lines) + ")"
+
+
+def _functions(program: Program, names: Names) -> Iterator[str]:
+    lines = [printed(_declared(f, names)) for f in program.features if is_number(f.type)]
+    if lines:
+        yield "(:functions\n  " + "\n  ".join(lines) + ")"
+
+
+def _declared(feature: Feature, names: Names) -> SExpr:
+    """A feature with its parameters; an object-valued one has its value as the last of them."""
+    parameters = [(p.name, p.type) for p in feature.parameters]
+    if is_object(feature.type):
+        parameters.append(("value", feature.type))
+    assert is_boolean(feature.type) or is_number(feature.type) or is_object(feature.type)
+    chosen: list[str] = []
+    for name, _ in parameters:
+        chosen.append(variable_name(name, chosen))
+    declared = [(f"?{n}", type_) for n, (_, type_) in zip(chosen, parameters, strict=True)]
+    return (names.get("feature", feature.name), *typed(declared, names))
+
+
+def _action(action: Action, names: Names) -> str:
+    sources = ", ".join(dict.fromkeys(source.behavior for source in action.sources))
+    return "\n".join(
+        (
+            f"(:action {action.name}  ; {sources}",
+            f"  :parameters {printed(parameter_list(action, names))}",
+            f"  :precondition {clauses(conjuncts(action.precondition))}",
+            f"  :effect {clauses(action.effects)})",
+        )
+    )
