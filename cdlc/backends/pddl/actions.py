@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import permutations
 
 from cdlc.backends.pddl.conditions import Lowering, condition, typed
+from cdlc.backends.pddl.costs import Charged, Costs, CostTable, charge_of, table_of
 from cdlc.backends.pddl.effects import effects, overruling
 from cdlc.backends.pddl.names import Names, variable_name
 from cdlc.backends.pddl.normal import NormalTriple, normal
@@ -52,17 +53,25 @@ class Action:
     precondition: SExpr
     effects: tuple[SExpr, ...]
     sources: tuple[Source, ...]
+    table: CostTable | None = None
 
 
-def actions(model: Model, triples: Sequence[Triple], names: Names) -> tuple[Action, ...]:
+def normal_forms(model: Model, triples: Sequence[Triple]) -> list[NormalTriple]:
+    """The normal forms of a program's triples. Raises NotPddl."""
+    for triple in triples:
+        _refuse(triple)
+    return [normal(triple, model) for triple in triples]
+
+
+def actions(
+    model: Model, transitions: Sequence[Charged], names: Names, costs: Costs
+) -> tuple[Action, ...]:
     """The actions of a program, in the order of their first behaviors; those that can never be
     applied are left out. Raises NotPddl.
     """
     groups: list[list[_Ordered]] = []
     index: dict[object, list[_Ordered]] = {}
-    for declared in triples:
-        _refuse(declared)
-        triple = _Named(declared, normal(declared, model))
+    for triple in transitions:
         found = next((o for o in _orders(model, triple) if o.key in index), None)
         if found is not None:
             index[found.key].append(found)
@@ -70,20 +79,8 @@ def actions(model: Model, triples: Sequence[Triple], names: Names) -> tuple[Acti
             first = next(_orders(model, triple))
             index[first.key] = [first]
             groups.append(index[first.key])
-    made = (_action(model, group, names) for group in groups)
+    made = (_action(model, group, names, costs) for group in groups)
     return tuple(action for action in made if action is not None)
-
-
-@dataclass(frozen=True, slots=True)
-class _Named:
-    """A triple as declared, and its normal form."""
-
-    declared: Triple
-    form: NormalTriple
-
-    @property
-    def normal(self) -> Triple:
-        return self.form.triple
 
 
 def _refuse(triple: Triple) -> None:
@@ -108,29 +105,29 @@ class _Ordered:
     keys.
     """
 
-    named: _Named
+    charged: Charged
     order: tuple[str, ...]
     key: object
 
     @property
     def triple(self) -> Triple:
         """The triple in normal form."""
-        return self.named.normal
+        return self.charged.form.triple
 
 
-def _orders(model: Model, named: _Named) -> Iterator[_Ordered]:
+def _orders(model: Model, charged: Charged) -> Iterator[_Ordered]:
     """The orders of the variables the transition depends on, the declared one first.
 
     Those of the calls come first, as they stand there.
     """
-    triple = named.normal
+    triple = charged.form.triple
     called = _variables((a for call in triple.calls for a in call.arguments), model.pool)
     formulas = (e for u in triple.post for e in (*u.arguments, u.value, u.guard))
     used = {*called, *_variables((*triple.pre, *formulas), model.pool)}
     others = [p.name for p in triple.parameters if p.name in used and p.name not in called]
     for other in permutations(others) if len(others) <= _MOST_ORDERED else [tuple(others)]:
         order = (*called, *other)
-        yield _Ordered(named, order, _key(model, triple, order))
+        yield _Ordered(charged, order, _key(model, charged, order))
 
 
 def _variables(expressions: Iterable[Expression], pool: Pool) -> tuple[str, ...]:
@@ -139,7 +136,7 @@ def _variables(expressions: Iterable[Expression], pool: Pool) -> tuple[str, ...]
     return tuple(dict.fromkeys(name for e in expressions for name in sorted(free(e))))
 
 
-def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
+def _key(model: Model, charged: Charged, order: tuple[str, ...]) -> object:
     """What two triples must share to be one action: formulas over the places of variables in the
     order, compared by identity.
 
@@ -147,6 +144,7 @@ def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
     not meet makes no difference.
     """
     pool, executor = model.pool, Executor(model.program, model.pool)
+    triple = charged.form.triple
     types = {p.name: p.type for p in triple.parameters}
     places = {name: pool.variable(f"'{i}", types[name]) for i, name in enumerate(order)}
     pre = frozenset(id(pool.substitute(part, places)) for part in triple.pre)
@@ -157,7 +155,11 @@ def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
     post = frozenset(
         (_identity(u), frozenset(map(_identity, overruling(u, updates, executor)))) for u in updates
     )
-    return (tuple(types[name] for name in order), calls, pre, post)
+    cost = (
+        charged.cost.constant,
+        frozenset((id(pool.substitute(r, places)), f) for r, f in charged.cost.terms),
+    )
+    return (tuple(types[name] for name in order), calls, pre, post, cost)
 
 
 def _renamed_update(update: Update, pool: Pool, places: dict[str, Expression]) -> Update:
@@ -182,7 +184,7 @@ def _identity(update: Update) -> tuple[object, ...]:
 # --------------------------------------------------------------------------------------- actions
 
 
-def _action(model: Model, group: list[_Ordered], names: Names) -> Action | None:
+def _action(model: Model, group: list[_Ordered], names: Names, costs: Costs) -> Action | None:
     first = group[0]
     triple = first.triple
     chosen = _parameter_names(model.program, first)
@@ -193,21 +195,26 @@ def _action(model: Model, group: list[_Ordered], names: Names) -> Action | None:
         return None
     clauses = tuple(effects(triple.post, triple.pre, lowering, executor))
     types = {p.name: p.type for p in triple.parameters}
+    name = names.add("action", _name(triple, names))
+    cost = first.charged.cost
+    own = [Parameter(n, types[n]) for n in first.order]
+    table = table_of(cost, own, name, names, costs)
+    charge = charge_of(cost, table, lowering, costs)
     return Action(
-        names.add("action", _name(triple, names)),
+        name,
         tuple(Parameter(chosen[name], types[name]) for name in first.order),
         precondition,
-        clauses,
+        (*clauses, *charge),
         tuple(_source(same, [chosen[name] for name in first.order]) for same in group),
+        table,
     )
 
 
 def _source(ordered: _Ordered, parameters: list[str]) -> Source:
     places = dict(zip(ordered.order, parameters, strict=True))
-    fixed = ordered.named.form.fixed
-    own = ordered.named.declared.parameters
+    form = ordered.charged.form
     return Source(
-        ordered.triple.behavior, tuple(_chosen(variable, places, fixed) for variable in own)
+        ordered.triple.behavior, tuple(_chosen(v, places, form.fixed) for v in form.variables)
     )
 
 

@@ -185,7 +185,15 @@ def _opened(node: Expression, read: Read, pool: Pool) -> Expression:
     """`clear(loc(x))` as `exists p: loc(x) == p and clear(p)`: a feature has just one value."""
     value = pool.fresh(Parameter(read.feature, read.type))
     body = pool.rebuild(node, {}, lambda part: value if part is read else part)
+    if isinstance(node, Compare) and is_object(node.left.type) and not _has_read(body):
+        # The same, and unified-planning cannot take `exists` of a variable of a narrower type.
+        other = pool.disjunction((pool.negation(pool.equal(read, value)), body))
+        return pool.quantified("forall", (value,), other)
     return pool.quantified("exists", (value,), pool.conjunction((pool.equal(read, value), body)))
+
+
+def _has_read(node: Expression) -> bool:
+    return any(isinstance(part, Read) for part in in_order(node))
 
 
 def _equality(left: Expression, right: Expression, lowering: Lowering) -> SExpr:

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 from cdlc.backends.pddl.actions import Action, parameter_list
 from cdlc.backends.pddl.conditions import type_name, typed
+from cdlc.backends.pddl.costs import Costs, CostTable
 from cdlc.backends.pddl.names import Names, legal_name, variable_name
-from cdlc.backends.pddl.sexpr import SExpr, conjuncts, printed
+from cdlc.backends.pddl.sexpr import SExpr, conjuncts, printed, words
 from crow.program import Feature, ObjectType, Program
 from crow.program.types import is_boolean, is_number, is_object
 
@@ -15,13 +16,21 @@ from crow.program.types import is_boolean, is_number, is_object
 class Domain:
     """What the text of a domain is made of.
 
-    `conditions` are those outside of actions that the requirements have to cover.
+    `features` are those that PDDL keeps; `conditions` those outside of actions that the
+    requirements have to cover.
     """
 
     program: Program
     names: Names
     actions: tuple[Action, ...]
+    features: tuple[Feature, ...]
+    costs: Costs
     conditions: tuple[SExpr, ...] = ()
+
+    @property
+    def tables(self) -> tuple[CostTable, ...]:
+        """The tables of costs of its actions."""
+        return tuple(action.table for action in self.actions if action.table is not None)
 
 
 def domain_text(domain: Domain) -> str:
@@ -31,8 +40,8 @@ def domain_text(domain: Domain) -> str:
         f"(:requirements {' '.join(_requirements(domain))})",
         *_types(program, names),
         *_constants(program, names),
-        *_predicates(program, names),
-        *_functions(program, names),
+        *_predicates(domain),
+        *_functions(domain),
         *(_action(action, names) for action in domain.actions),
     ]
     return f"(define (domain {legal_name(program.name)})\n{sections(parts)})\n"
@@ -58,25 +67,38 @@ def _requirements(domain: Domain) -> Iterator[str]:
     made = domain.actions
     guards = [guard for a in made for e in a.effects for guard in _guards(e)]
     conditions = [*(a.precondition for a in made), *domain.conditions, *guards]
-    words = {word for c in conditions for word in _words(c)}
-    features = domain.program.features
+    used = {word for c in conditions for word in words(c)}
     yield ":strips"
     if any(type_.is_object for type_ in domain.program.types):
         yield ":typing"
-    if "not" in words:
+    if "not" in used:
         yield ":negative-preconditions"
-    if "or" in words or any(_negates_compound(c) for c in conditions):
+    if "or" in used or any(_negates_compound(c) for c in conditions):
         yield ":disjunctive-preconditions"
     if any(_has_equality(c) for c in conditions):
         yield ":equality"
-    if "exists" in words:
+    if "exists" in used:
         yield ":existential-preconditions"
-    if "forall" in words:
+    if "forall" in used:
         yield ":universal-preconditions"
     if guards or any(e[0] == "forall" for a in made for e in a.effects):
         yield ":conditional-effects"
-    if any(is_number(feature.type) for feature in features):
+    if _needs_numbers(domain):
         yield ":numeric-fluents"
+    if domain.costs.are_used:
+        yield ":action-costs"
+
+
+def _needs_numbers(domain: Domain) -> bool:
+    """Whether a function is more than a cost that never changes."""
+    numbers = {domain.names.get("feature", f.name) for f in domain.features if is_number(f.type)}
+    charges = [e[2] for a in domain.actions for e in a.effects if is_charge(e)]
+    return bool(numbers - {charge[0] for charge in charges})
+
+
+def is_charge(effect: SExpr) -> bool:
+    """Whether an effect is the cost of its action."""
+    return effect[:2] == ("increase", ("total-cost",))
 
 
 def _guards(effect: SExpr) -> Iterator[SExpr]:
@@ -87,14 +109,6 @@ def _guards(effect: SExpr) -> Iterator[SExpr]:
             yield from _guards(inner)
         case _:
             return
-
-
-def _words(formula: SExpr) -> Iterator[str]:
-    if isinstance(formula, tuple) and formula:
-        if isinstance(formula[0], str):
-            yield formula[0]
-        for part in formula[1:]:
-            yield from _words(part)
 
 
 def _has_equality(formula: SExpr) -> bool:
@@ -149,14 +163,20 @@ def _constants(program: Program, names: Names) -> Iterator[str]:
         yield printed((":constants", *typed(listed, names)))
 
 
-def _predicates(program: Program, names: Names) -> Iterator[str]:
-    lines = [printed(_declared(f, names)) for f in program.features if not is_number(f.type)]
+def _predicates(domain: Domain) -> Iterator[str]:
+    features = [f for f in domain.features if not is_number(f.type)]
+    lines = [printed(_declared(f, domain.names)) for f in features]
     if lines:
         yield "(:predicates\n  " + "\n  ".join(lines) + ")"
 
 
-def _functions(program: Program, names: Names) -> Iterator[str]:
-    lines = [printed(_declared(f, names)) for f in program.features if is_number(f.type)]
+def _functions(domain: Domain) -> Iterator[str]:
+    features = [f for f in domain.features if is_number(f.type)]
+    lines = [printed(_declared(f, domain.names)) for f in features]
+    lines += [printed(_declared_table(t, domain.names)) for t in domain.tables]
+    lines += ["(total-cost)"] * domain.costs.are_used
+    if domain.costs.are_used:
+        lines[-1] += " - number"
     if lines:
         yield "(:functions\n  " + "\n  ".join(lines) + ")"
 
@@ -172,6 +192,14 @@ def _declared(feature: Feature, names: Names) -> SExpr:
         chosen.append(variable_name(name, chosen))
     declared = [(f"?{n}", type_) for n, (_, type_) in zip(chosen, parameters, strict=True)]
     return (names.get("feature", feature.name), *typed(declared, names))
+
+
+def _declared_table(table: CostTable, names: Names) -> SExpr:
+    chosen: list[str] = []
+    for parameter in table.parameters:
+        chosen.append(variable_name(parameter.name, chosen))
+    types = [p.type for p in table.parameters]
+    return (table.name, *typed([(f"?{n}", t) for n, t in zip(chosen, types, strict=True)], names))
 
 
 def _action(action: Action, names: Names) -> str:

@@ -1,23 +1,25 @@
 """PDDL of a program and a problem, or diagnostics for what is not discrete."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from cdlc.backends.errors import NotInPddl
-from cdlc.backends.pddl.actions import Action, actions
-from cdlc.backends.pddl.conditions import Lowering, condition
+from cdlc.backends.pddl.actions import Action, actions, normal_forms
+from cdlc.backends.pddl.conditions import Lowering, atom, condition
+from cdlc.backends.pddl.costs import Costs, charged
 from cdlc.backends.pddl.domain import Domain, domain_text
 from cdlc.backends.pddl.fit import report_unfit, report_unset
 from cdlc.backends.pddl.names import Names
 from cdlc.backends.pddl.normal import plain
+from cdlc.backends.pddl.numbers import numeric
 from cdlc.backends.pddl.problems import problem_text
-from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
+from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr, words
 from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.symbolic import NotModelled
 from crow.problem import Problem
-from crow.program import Location, Program
+from crow.program import Feature, Location, Program
 
 
 @dataclass(frozen=True)
@@ -61,15 +63,19 @@ def to_pddl(
 def _task(model: Model, triples: Sequence[Triple], problem: Problem | None) -> PddlTask:
     program = model.program
     names = _names(program)
-    made = actions(model, triples, names)
+    transitions, costs = charged(model, normal_forms(model, triples), problem)
+    made = actions(model, transitions, names, costs)
     renamed = names.changed()
     goal = None if problem is None else _goal(model, problem, names)
-    domain = Domain(program, names, made, () if goal is None else (goal,))
-    text = _heading("domain", program.name) + _renamings(renamed) + domain_text(domain)
+    metric = None if problem is None else _metric(model, problem, names, costs)
+    features = tuple(_features(program, names, made, costs, (goal or (), metric or ())))
+    domain = Domain(program, names, made, features, costs, () if goal is None else (goal,))
+    heading = _heading("domain", program.name) + _renamings(renamed) + _scaling(costs)
+    text = heading + domain_text(domain)
     if problem is None or goal is None:
         return PddlTask(program, made, names, text, None)
     own = _renamings(names.changed()[len(renamed) :])
-    stated = _heading("problem", problem.name) + own + problem_text(problem, goal, names)
+    stated = _heading("problem", problem.name) + own + problem_text(problem, goal, domain, metric)
     return PddlTask(program, made, names, text, stated, is_hopeless=goal == NEVER)
 
 
@@ -95,9 +101,42 @@ def _renamings(renamed: list[tuple[str, str]]) -> str:
     return "; Names that PDDL does not take or tell apart:\n" + "".join(lines) if lines else ""
 
 
+def _features(
+    program: Program,
+    names: Names,
+    made: Sequence[Action],
+    costs: Costs,
+    others: tuple[SExpr, ...],
+) -> Iterator[Feature]:
+    """The features that PDDL keeps: not those that only are, or are put into, costs of actions."""
+    gone = set(costs.weights)
+    tabled = {read.feature for a in made if a.table for read, _ in a.table.cost.terms}
+    if tabled:
+        formulas = [f for a in made for f in (a.precondition, *a.effects)]
+        used = {word for f in (*formulas, *others) for word in words(f)}
+        gone |= {name for name in tabled if names.get("feature", name) not in used}
+    return (f for f in program.features if f.name not in gone)
+
+
+def _scaling(costs: Costs) -> str:
+    return f"; Costs are multiplied by {costs.scale} to be whole.\n" if costs.scale != 1 else ""
+
+
+def _metric(model: Model, problem: Problem, names: Names, costs: Costs) -> SExpr | None:
+    """What planners are to minimize, if anything."""
+    if costs.are_used:
+        return ("total-cost",)
+    if problem.minimize is None:
+        return None
+    lowering = Lowering(names, model.pool, {})
+    minimize = plain(model.formula(problem.minimize), model.pool)
+    try:
+        return numeric(minimize, lambda read: atom(read, lowering))
+    except NotPddl as refused:
+        raise NotPddl(refused.construct, problem.minimize.location, refused.cure) from None
+
+
 def _goal(model: Model, problem: Problem, names: Names) -> SExpr:
-    if problem.minimize is not None:
-        raise NotPddl("`minimize`", problem.minimize.location)
     for name in problem.world.objects:
         names.add("object", name)
     try:

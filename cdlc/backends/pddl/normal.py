@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 
 from cdlc.backends.pddl.cases import Known, cases, grouped
 from cdlc.backends.pddl.conditions import as_value
+from cdlc.backends.pddl.defined import is_defined
 from cdlc.backends.pddl.sexpr import NotPddl
 from cdlc.ir.graph import in_order, parts
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.pool import Pool
-from cdlc.ir.symbolic import Update
+from cdlc.ir.symbolic import Executor, Update
 from crow.arithmetic import arithmetic
 from crow.program import (
     And,
@@ -37,13 +38,13 @@ from crow.program.types import is_boolean, is_number, is_object
 class NormalTriple:
     """A triple whose terms are variables and objects.
 
-    `fixed` are variables of the behavior that are another variable or an object; `bound` are names
-    of parameters added for what the transition reads.
+    `variables` are those of the behavior, its parameters and binds. Some of them are `fixed`: they
+    are another variable, or an object. The triple has further parameters for what it reads.
     """
 
     triple: Triple
+    variables: tuple[Parameter, ...]
     fixed: Mapping[str, Expression]
-    bound: frozenset[str]
 
 
 def normal(triple: Triple, model: Model) -> NormalTriple:
@@ -51,10 +52,11 @@ def normal(triple: Triple, model: Model) -> NormalTriple:
     state = _Normal(model, plain_triple(triple, model.pool))
     state.fix_equalities()
     state.bind_reads()
+    state.add_demands()
     state.use_precondition()
     remaining = tuple(p for p in state.triple.parameters if p.name not in state.fixed)
     made = replace(state.triple, parameters=remaining)
-    return NormalTriple(made, state.fixed, frozenset(state.bound))
+    return NormalTriple(made, triple.parameters, state.fixed)
 
 
 # -------------------------------------------------------------------------------- plain expressions
@@ -170,10 +172,10 @@ class _Normal:
 
     def __init__(self, model: Model, triple: Triple) -> None:
         self.pool = model.pool
+        self.program = model.program
         self.types = {f.name: f.type for f in model.program.features}
         self.triple = triple
         self.fixed: dict[str, Expression] = {}
-        self.bound: list[str] = []
 
     def _change(self, change: Callable[[Expression], Expression]) -> None:
         self.triple = mapped(self.triple, self.pool, change)
@@ -245,6 +247,13 @@ class _Normal:
         self._change(change)
         self.triple = replace(self.triple, pre=conjuncts(self.pool.conjunction(pre), self.pool))
 
+    def add_demands(self) -> None:
+        """Add to the precondition what the effect needs to have values."""
+        executor = Executor(self.program, self.pool)
+        needed = is_defined(self.triple.pre, self.triple.post, executor)
+        pre = self.pool.conjunction((*self.triple.pre, *needed))
+        self.triple = replace(self.triple, pre=conjuncts(pre, self.pool))
+
     def use_precondition(self) -> None:
         """Leave out of the effects what the precondition decides."""
         known = Known(self.pool, self.triple.pre)
@@ -304,7 +313,6 @@ class _Normal:
         parameter = Parameter(name, read.type)
         value = self.pool.variable(name, read.type)
         self._change(replacing(read, value, self.pool))
-        self.bound.append(name)
         self.triple = replace(
             self.triple,
             parameters=(*self.triple.parameters, parameter),

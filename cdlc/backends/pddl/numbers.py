@@ -14,9 +14,9 @@ Leaf = Callable[[Read], SExpr]
 
 def number_text(value: float | Fraction) -> str:
     """A number as PDDL takes it: decimal, without an exponent."""
-    if isinstance(value, Fraction):
-        value = value.numerator if value.denominator == 1 else float(value)
-    return str(value) if isinstance(value, int) else format(Decimal(repr(value)), "f")
+    if value == int(value):
+        return str(int(value))
+    return format(Decimal(repr(float(value))), "f")
 
 
 def numeric(node: Expression, leaf: Leaf) -> SExpr:

@@ -1,5 +1,7 @@
 """PDDL formulas as nested tuples, folded while they are built; `emit` prints them."""
 
+from collections.abc import Iterator
+
 from crow.program import Location
 
 SExpr = str | tuple["SExpr", ...]
@@ -71,6 +73,15 @@ def _size(formula: SExpr, known: dict[int, int]) -> int:
     if id(formula) not in known:
         known[id(formula)] = sum(_size(part, known) for part in formula)
     return known[id(formula)]
+
+
+def words(formula: SExpr) -> Iterator[str]:
+    """The first name of every part of a formula."""
+    if isinstance(formula, tuple) and formula:
+        if isinstance(formula[0], str):
+            yield formula[0]
+        for part in formula[1:]:
+            yield from words(part)
 
 
 def printed(formula: SExpr) -> str:

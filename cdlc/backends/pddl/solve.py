@@ -3,9 +3,10 @@
 from cdlc.backends.engines import EngineStatus, solve
 from cdlc.backends.pddl.emit import PddlTask
 from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, to_step
+from crow.evaluate import evaluate
 from crow.plan import Result, Step
 from crow.problem import Problem, State, World
-from crow.replay import replay_to_goal
+from crow.replay import replay, replay_to_goal
 from crow.trace import DoItem, TraceItem
 from crow.transition import Transition, apply
 
@@ -50,7 +51,15 @@ def solve_task(
     except PlanFormatError as error:
         raise InvalidPlan(f"step {error.line}: {error}") from None
     steps, trace = run(problem, planned)
-    return Result("plan", engine, steps, trace, float(len(steps)), statistics=statistics)
+    return Result("plan", engine, steps, trace, _cost(problem, steps, trace), statistics=statistics)
+
+
+def _cost(problem: Problem, steps: tuple[Step, ...], trace: tuple[TraceItem, ...]) -> float:
+    """What `minimize` is in the final state, else the number of controller calls."""
+    if problem.minimize is None:
+        return float(sum(step.controller is not None for step in steps))
+    final = replay(problem.world, problem.initial, trace).final
+    return float(evaluate(problem.world, final, problem.minimize, {}))
 
 
 def run(

@@ -97,7 +97,7 @@ def test_what_has_no_pddl_is_refused_with_its_place(domain: str, message: str, l
     ("goal", "more", "message"),
     [
         ("external(a)", "", "the external function `external`"),
-        ("p(a)", "minimize: 1 if p(b) else 0\n", "`minimize`"),
+        ("p(a)", "minimize: 1 if p(b) else 0\n", "`1 if p(b) else 0`"),
     ],
 )
 def test_problems_are_refused_too(goal: str, more: str, message: str) -> None:

@@ -51,7 +51,8 @@ def test_unified_planning_reads_it(case: str) -> None:
     problem = PDDLReader().parse_problem_string(task.domain, task.problem)
     assert [a.name for a in problem.actions] == [a.name.lower() for a in task.actions]
     assert [len(a.parameters) for a in problem.actions] == [len(a.parameters) for a in task.actions]
-    assert len(problem.fluents) == len(task.program.features)
+    declared = re.findall(r"^    \((\S+?)[ )]", task.domain.partition("(:action")[0], re.MULTILINE)
+    assert len(problem.fluents) == len([name for name in declared if name != "total-cost"])
 
 
 @needs_planner
@@ -110,7 +111,12 @@ def test_requirements_are_those_used(case: str) -> None:
     assert (":existential-preconditions" in declared) is ("exists" in words)
     assert (":universal-preconditions" in declared) is ("(forall " in conditions)
     assert (":conditional-effects" in declared) is bool(guards or "\n      (forall" in effects)
-    assert (":numeric-fluents" in declared) is ("(:functions" in text)
+    functions = set(
+        re.findall(r"\((\S+)", text.partition("(:functions")[2].partition("(:action")[0])
+    )
+    costs = {"total-cost)", *re.findall(r"\(increase \(total-cost\) \((\S+)", text)}
+    assert (":action-costs" in declared) is ("(:metric" in text)
+    assert (":numeric-fluents" in declared) is bool(functions - costs)
     assert ":disjunctive-preconditions" in declared or "or" not in words
 
 
@@ -124,5 +130,5 @@ def test_every_part_of_the_emitter_is_in_some_golden_file() -> None:
     assert set(used.split()) == {
         ":strips", ":typing", ":negative-preconditions", ":disjunctive-preconditions",
         ":equality", ":existential-preconditions", ":universal-preconditions",
-        ":conditional-effects", ":numeric-fluents",
+        ":conditional-effects", ":numeric-fluents", ":action-costs",
     }  # fmt: skip

@@ -1,11 +1,13 @@
 ; Emitted by cdlc from the CDL domain "derived".
 (define (domain derived)
-  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :universal-preconditions :conditional-effects)
+  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :universal-preconditions :conditional-effects :action-costs)
   (:types T)
   (:predicates
     (on ?x ?y - T)
     (wet ?x - T)
     (lamp))
+  (:functions
+    (total-cost) - number)
   (:action lift  ; lift
     :parameters (?x ?y - T)
     :precondition (and
@@ -25,8 +27,10 @@
     a b - T)
   (:init
     (on a b)
-    (lamp))
+    (lamp)
+    (= (total-cost) 0))
   (:goal (and
     (not (exists (?t - T) (on ?t b)))
     (not (wet b))
-    (forall (?t - T) (not (exists (?t-2 - T) (on ?t-2 ?t)))))))
+    (forall (?t - T) (not (exists (?t-2 - T) (on ?t-2 ?t))))))
+  (:metric minimize (total-cost)))

@@ -1,13 +1,14 @@
 ; Emitted by cdlc from the CDL domain "numbers".
 (define (domain numbers)
-  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :universal-preconditions :conditional-effects :numeric-fluents)
+  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :universal-preconditions :conditional-effects :numeric-fluents :action-costs)
   (:types tank)
   (:predicates
     (open ?x - tank))
   (:functions
     (level ?x - tank)
     (capacity ?x - tank)
-    (total))
+    (total)
+    (total-cost) - number)
   (:action pour  ; r_pour
     :parameters (?x ?y - tank)
     :precondition (and
@@ -19,7 +20,8 @@
       (when (>= (- (capacity ?y) (level ?y)) (level ?x)) (decrease (level ?x) (level ?x)))
       (when (not (>= (- (capacity ?y) (level ?y)) (level ?x))) (increase (level ?y) (- (capacity ?y) (level ?y))))
       (when (>= (- (capacity ?y) (level ?y)) (level ?x)) (increase (level ?y) (level ?x)))
-      (increase (total) 0.5)))
+      (increase (total) 0.5)
+      (increase (total-cost) 1)))
   (:action fill  ; fill
     :parameters (?x ?y - tank)
     :precondition (and)
@@ -42,7 +44,8 @@
       (forall (?x - tank) (when (and (open ?x) (not (<= (level ?x) 2))) (decrease (level ?x) 2)))
       (forall (?x - tank) (when (and (open ?x) (<= (level ?x) 2)) (assign (level ?x) 0)))
       (when (not (>= (total) 0)) (assign (total) (- (* (total) 2) (* -1 (total)))))
-      (when (>= (total) 0) (assign (total) (- (* (total) 2) (total)))))))
+      (when (>= (total) 0) (assign (total) (- (* (total) 2) (total))))
+      (increase (total-cost) 1))))
 
 ; Emitted by cdlc from the CDL problem "numbers".
 (define (problem numbers)
@@ -54,8 +57,10 @@
     (= (level b) 0)
     (= (capacity a) 5)
     (= (capacity b) 5)
-    (= (total) -1.5))
+    (= (total) -1.5)
+    (= (total-cost) 0))
   (:goal (and
     (= (level b) 3)
     (not (= (level a) 3))
-    (<= (total) 2))))
+    (<= (total) 2)))
+  (:metric minimize (total-cost)))

@@ -1,6 +1,6 @@
 ; Emitted by cdlc from the CDL domain "objects".
 (define (domain objects)
-  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :conditional-effects)
+  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :conditional-effects :action-costs)
   (:types
     room - place
     item place - object)
@@ -10,6 +10,8 @@
     (exit ?r - room ?value - place)
     (clear ?p - place)
     (heavy ?x - item))
+  (:functions
+    (total-cost) - number)
   (:action move  ; r_loc
     :parameters (?x - item ?to ?old - place)
     :precondition (and
@@ -20,7 +22,8 @@
       (clear ?old)
       (not (clear ?to))
       (not (loc ?x ?old))
-      (loc ?x ?to)))
+      (loc ?x ?to)
+      (increase (total-cost) 1)))
   (:action r_home  ; r_home
     :parameters (?x - item ?from - place)
     :precondition (and
@@ -28,7 +31,8 @@
     :effect (and
       (clear ?from)
       (not (loc ?x ?from))
-      (loc ?x home)))
+      (loc ?x home)
+      (increase (total-cost) 1)))
   (:action push  ; r_push
     :parameters (?x ?y - item ?loc - place)
     :precondition (and
@@ -36,7 +40,8 @@
     :effect (and
       (forall (?loc-2 - place) (when (and (heavy ?x) (loc ?x ?loc-2)) (not (loc ?x ?loc-2))))
       (when (heavy ?x) (loc ?x ?loc))
-      (when (not (heavy ?x)) (not (clear ?loc)))))
+      (when (not (heavy ?x)) (not (clear ?loc)))
+      (increase (total-cost) 1)))
   (:action sweep  ; r_sweep
     :parameters ()
     :precondition (and
@@ -45,7 +50,8 @@
       (forall (?x - item ?loc - place) (when (loc ?x ?loc) (not (clear ?loc))))
       (forall (?r - room ?exit - place) (when (exit ?r ?exit) (not (exit ?r ?exit))))
       (forall (?r - room) (when (and (not (exists (?i - item) (exists (?p - place) (and (loc ?i ?p) (exit ?r ?p))))) (exists (?p - place) (and (exit ?r ?p) (clear ?p)))) (exit ?r home)))
-      (forall (?r - room) (when (not (and (not (exists (?i - item) (exists (?p - place) (and (loc ?i ?p) (exit ?r ?p))))) (exists (?p - place) (and (exit ?r ?p) (clear ?p))))) (exit ?r ?r)))))
+      (forall (?r - room) (when (not (and (not (exists (?i - item) (exists (?p - place) (and (loc ?i ?p) (exit ?r ?p))))) (exists (?p - place) (and (exit ?r ?p) (clear ?p))))) (exit ?r ?r)))
+      (increase (total-cost) 1)))
   (:action swap  ; swap
     :parameters (?x ?y - item ?old ?old_2 - place)
     :precondition (and
@@ -67,8 +73,10 @@
     (loc a home)
     (loc b home)
     (exit home shelf)
-    (clear shelf))
+    (clear shelf)
+    (= (total-cost) 0))
   (:goal (and
     (loc a shelf)
     (exists (?p - place) (and (loc b ?p) (exit home ?p)))
-    (not (exists (?p - place) (and (loc a ?p) (clear ?p)))))))
+    (not (exists (?p - place) (and (loc a ?p) (clear ?p))))))
+  (:metric minimize (total-cost)))
