@@ -79,6 +79,9 @@ def _parser() -> argparse.ArgumentParser:
     formatter = _command(commands, "fmt", fmt, "bring files to the canonical layout")
     formatter.add_argument("files", nargs="+", metavar="FILE", help="'-' is standard input")
     formatter.add_argument("--check", action="store_true", help="show what would change")
+    lister = _command(commands, "engines", engines, "list planners, and which fit a domain")
+    lister.add_argument("files", nargs="*", metavar="FILE", help="[DOMAIN] [PROBLEM]")
+    _format(lister)
     explainer = _command(commands, "explain", explain, "say what the code of a diagnostic means")
     explainer.add_argument("code", metavar="CODE", help="such as unknown-feature")
     return parser
@@ -347,6 +350,29 @@ def import_(options: argparse.Namespace) -> int:
     if not imported.texts:
         return INPUT_ERRORS
     write_all({options.output / name: text for name, text in imported.texts.items()})
+    return DONE
+
+
+def engines(options: argparse.Namespace) -> int:
+    """`cdlc engines`: the installed planners, what they take, and whether a task fits."""
+    if len(options.files) > 2:
+        return _usage("engines takes [DOMAIN] [PROBLEM]")
+    from cdlc.backends.engines import EngineError
+    from cdlc.engines import as_json, as_text, listed
+
+    compilation = driver.compilation(options.files) if options.files else None
+    task = None if compilation is None else compilation.pddl
+    if compilation is not None:
+        _warn(options, compilation)
+    try:
+        found = listed(task)
+    except EngineError as error:
+        print(f"error[{error.code}]: {error}", file=sys.stderr)
+        return INPUT_ERRORS
+    if options.format == "json":
+        _print_json(as_json(found))
+    else:
+        print(as_text(found), end="")
     return DONE
 
 

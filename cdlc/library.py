@@ -9,6 +9,8 @@ from cdlc.diagnostics import Diagnostic
 from crow.program import ProblemStatement, Program
 
 if TYPE_CHECKING:
+    from unified_planning.model import Problem as UpProblem
+
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Triple
 
@@ -50,6 +52,15 @@ class Compiled:
         Raises CompileError for a program that is not discrete.
         """
         return self._compilation.pddl
+
+    def up(self) -> "UpProblem":
+        """The task as a `unified_planning.model.Problem`; needs a problem and that library.
+
+        Raises CompileError for a program that is not discrete, ValueError as `to_up` does.
+        """
+        from cdlc.backends.up import to_up
+
+        return to_up(self._compilation.pddl)
 
 
 def check(path: Path) -> tuple[Diagnostic, ...]:

@@ -2,6 +2,9 @@
 
 import platform
 import sys
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import psutil
@@ -31,29 +34,60 @@ class _Refused(Exception):  # noqa: N818 - carries an answer, which need not be 
         self.answer = answer
 
 
+# What engines are told besides the task. Kairos would stop after 30 seconds; that is for `run`.
+_PARAMETERS: Mapping[str, dict[str, Any]] = {"kairos": {"anytime": False, "timeout": 1e6}}
+
+
 def answer(request: dict[str, Any]) -> Answer:
-    """Solve the task of a request as `run` writes it; what is not foreseen is raised."""
+    """Do what a request as `run` writes it asks for; what is not foreseen is raised."""
     try:
-        return _solve(request)
+        return _describe(request) if "engines" in request else _solve(request)
     except _Refused as refused:
         return refused.answer
 
 
 def _solve(request: dict[str, Any]) -> Answer:
-    environment = get_environment()
-    environment.credits_stream = None
+    environment = _environment()
     planner_class = _planner_class(environment.factory, request["engine"])
     # Only now: the libraries just imported reserve far more address space than they use.
     _limit_memory(request["memory_limit_mb"])
     problem = _read(request["domain"], request["problem"])
     is_exempt = _check_support(planner_class, problem)
-    with environment.factory.OneshotPlanner(name=request["engine"]) as planner:
+    name = request["engine"]
+    parameters = _PARAMETERS.get(name, {})
+    with environment.factory.OneshotPlanner(name=name, params=parameters) as planner:
         planner.skip_checks = is_exempt
         result = planner.solve(problem)
     _print_messages(result.log_messages)
     if result.plan is None:
         return _without_plan(result.status)
     return _validated(problem, result.plan)
+
+
+def _environment() -> Any:
+    """unified-planning's environment, quiet, with the engines that have to be registered."""
+    environment = get_environment()
+    environment.credits_stream = None
+    if find_spec("up_kairos") is not None:
+        import_module("up_kairos").register(environment)
+    return environment
+
+
+def _describe(request: dict[str, Any]) -> Answer:
+    """What engines take, and which parts of the task, if there is one, they do not."""
+    environment = _environment()
+    kind = None
+    if request["domain"] is not None:
+        kind = _read(request["domain"], request["problem"]).kind
+        if request["problem"] is None:  # numbers have no initial values yet
+            kind.unset_initial_state("UNDEFINED_INITIAL_NUMERIC")
+    described = []
+    for name in request["engines"]:
+        engine = environment.factory.engine(name)
+        supported = engine.supported_kind().features
+        missing = set() if kind is None or engine.supports(kind) else kind.features - supported
+        described.append({"name": name, "accepts": sorted(supported), "lacks": sorted(missing)})
+    return {"outcome": "described", "engines": described}
 
 
 def _planner_class(factory: Any, engine: str) -> Any:
@@ -80,7 +114,7 @@ def _limit_memory(megabytes: int | None) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 
-def _read(domain: str, problem: str) -> Any:
+def _read(domain: str, problem: str | None) -> Any:
     try:
         return PDDLReader().parse_problem_string(domain, problem)
     except (MemoryError, SystemError):  # SystemError is what pyparsing makes of it

@@ -35,6 +35,7 @@ class PddlTask:
     domain: str
     problem: str | None
     is_hopeless: bool = False
+    has_axioms: bool = False
 
     @cached_property
     def actions_by_name(self) -> dict[str, Action]:
