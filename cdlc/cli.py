@@ -127,6 +127,9 @@ def _compile_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("files", nargs="+", metavar="FILE", help="DOMAIN [PROBLEM]")
     command.add_argument("--emit", required=True, choices=("pddl", "ir", "hoare"))
     command.add_argument("-o", dest="output", type=Path, metavar="DIR", help="write files there")
+    command.add_argument(
+        "--strict", action="store_true", help="treat what planners would not see as an error"
+    )
 
 
 def _plan_arguments(command: argparse.ArgumentParser) -> None:
@@ -199,6 +202,8 @@ def compile_(options: argparse.Namespace) -> int:
         case _:
             texts = {"model.hoare": compilation.hoare_text}
     _warn(options, compilation)
+    if options.strict and any(d.code == "unmodelled-controller" for d in compilation.found):
+        return INPUT_ERRORS
     if options.output is None:
         print("\n".join(texts.values()), end="")
     else:
@@ -216,7 +221,7 @@ def plan(options: argparse.Namespace) -> int:
     from cdlc.backends.engines import EngineError
     from cdlc.backends.pddl.solve import InvalidPlan, solve_task
 
-    task, problem = compilation.pddl, compilation.problem
+    task, problem = compilation.planning_task, compilation.problem
     _warn(options, compilation)
     try:
         result = solve_task(

@@ -127,6 +127,16 @@ class Compilation:
         return task
 
     @cached_property
+    def planning_task(self) -> "PddlTask":
+        """The PDDL, for a planner: refused where its plans would leave out what methods run."""
+        from cdlc.backends.pddl.fit import report_unplannable
+
+        task = self.pddl
+        report_unplannable(self.program, self.found)
+        self._stop_at_errors()
+        return task
+
+    @cached_property
     def ir_text(self) -> str:
         """The typed program, and the problem if there is one, as JSON."""
         import json

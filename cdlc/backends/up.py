@@ -19,7 +19,5 @@ def to_up(task: "PddlTask") -> "UpProblem":
     if task.problem is None:
         raise ValueError("unified-planning needs a problem, too")
     if task.has_axioms:
-        raise ValueError(
-            "unified-planning has no derived predicates"
-        )
+        raise ValueError("unified-planning has no derived predicates")
     return PDDLReader().parse_problem_string(task.domain, task.problem)

@@ -83,9 +83,7 @@ class EngineUnsupported(EngineError):  # noqa: N818 - the base class says it
         from cdlc.backends.engines.words import lacks_in_words
 
         lacks = ", ".join(lacks_in_words(self.features))
-        return (
-            f"engine `{self.engine}` does not take {lacks}; see `cdlc engines`"
-        )
+        return f"engine `{self.engine}` does not take {lacks}; see `cdlc engines`"
 
 
 class EngineFailed(EngineError):  # noqa: N818 - the base class says it

@@ -11,6 +11,7 @@ from itertools import permutations
 from cdlc.backends.pddl.conditions import Lowering, condition, typed
 from cdlc.backends.pddl.costs import Charged, Costs, CostTable, charge_of, table_of
 from cdlc.backends.pddl.effects import effects, overruling
+from cdlc.backends.pddl.methods import MethodStep
 from cdlc.backends.pddl.names import Names, variable_name
 from cdlc.backends.pddl.normal import NormalTriple, normal
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
@@ -35,10 +36,11 @@ class Chosen:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A behavior an action stands for: what its parameters and binds are."""
+    """A behavior an action stands for, or a step of one that is a method, and its variables."""
 
     behavior: str
     variables: tuple[Chosen, ...]
+    step: MethodStep | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +66,16 @@ def normal_forms(model: Model, triples: Sequence[Triple]) -> list[NormalTriple]:
 
 
 def actions(
-    model: Model, transitions: Sequence[Charged], names: Names, costs: Costs
+    model: Model,
+    transitions: Sequence[Charged],
+    names: Names,
+    costs: Costs,
+    steps: Mapping[str, MethodStep],
 ) -> tuple[Action, ...]:
     """The actions of a program, in the order of their first behaviors; those that can never be
-    applied are left out. Raises NotPddl.
+    applied are left out. `steps` are those of methods, by the names of their behaviors.
+
+    Raises NotPddl.
     """
     groups: list[list[_Ordered]] = []
     index: dict[object, list[_Ordered]] = {}
@@ -79,7 +87,7 @@ def actions(
             first = next(_orders(model, triple))
             index[first.key] = [first]
             groups.append(index[first.key])
-    made = (_action(model, group, names, costs) for group in groups)
+    made = (_action(model, group, names, costs, steps) for group in groups)
     return tuple(action for action in made if action is not None)
 
 
@@ -184,7 +192,13 @@ def _identity(update: Update) -> tuple[object, ...]:
 # --------------------------------------------------------------------------------------- actions
 
 
-def _action(model: Model, group: list[_Ordered], names: Names, costs: Costs) -> Action | None:
+def _action(
+    model: Model,
+    group: list[_Ordered],
+    names: Names,
+    costs: Costs,
+    steps: Mapping[str, MethodStep],
+) -> Action | None:
     first = group[0]
     triple = first.triple
     chosen = _parameter_names(model.program, first)
@@ -195,7 +209,7 @@ def _action(model: Model, group: list[_Ordered], names: Names, costs: Costs) -> 
         return None
     clauses = tuple(effects(triple.post, triple.pre, lowering, executor))
     types = {p.name: p.type for p in triple.parameters}
-    name = names.add("action", _name(triple, names))
+    name = names.add("action", _name(triple, names, steps))
     cost = first.charged.cost
     own = [Parameter(n, types[n]) for n in first.order]
     table = table_of(cost, own, name, names, costs)
@@ -205,17 +219,23 @@ def _action(model: Model, group: list[_Ordered], names: Names, costs: Costs) -> 
         tuple(Parameter(chosen[name], types[name]) for name in first.order),
         precondition,
         (*clauses, *charge),
-        tuple(_source(same, [chosen[name] for name in first.order]) for same in group),
+        tuple(_source(same, [chosen[name] for name in first.order], steps) for same in group),
         table,
     )
 
 
-def _source(ordered: _Ordered, parameters: list[str]) -> Source:
+def _source(ordered: _Ordered, parameters: list[str], steps: Mapping[str, MethodStep]) -> Source:
     places = dict(zip(ordered.order, parameters, strict=True))
     form = ordered.charged.form
-    return Source(
-        ordered.triple.behavior, tuple(_chosen(v, places, form.fixed) for v in form.variables)
-    )
+    variables = tuple(_chosen(v, places, form.fixed) for v in form.variables)
+    step = steps.get(ordered.triple.behavior)
+    return Source(_origin(ordered.triple, steps), variables, step)
+
+
+def _origin(triple: Triple, steps: Mapping[str, MethodStep]) -> str:
+    """The behavior of the program behind a triple."""
+    step = steps.get(triple.behavior)
+    return triple.behavior if step is None else step.method.name
 
 
 def _chosen(
@@ -244,13 +264,18 @@ def _parameter_names(program: Program, ordered: _Ordered) -> dict[str, str]:
     return chosen
 
 
-def _name(triple: Triple, names: Names) -> str:
-    """The only controller's name if it is free, else the behavior's."""
+def _name(triple: Triple, names: Names, steps: Mapping[str, MethodStep]) -> str:
+    """The only controller's name if it is free, else the behavior's, numbered from the second."""
     if len(triple.calls) == 1:
         name = triple.calls[0].controller
         if not names.has("action", name):
             return name
-    return triple.behavior
+    name = origin = _origin(triple, steps)
+    number = 1
+    while names.has("action", name):
+        number += 1
+        name = f"{origin}-{number}"
+    return name
 
 
 def parameter_list(action: Action, names: Names) -> tuple[SExpr, ...]:

@@ -9,7 +9,8 @@ from cdlc.backends.pddl.actions import Action, actions, normal_forms
 from cdlc.backends.pddl.conditions import Lowering, atom, condition
 from cdlc.backends.pddl.costs import Costs, charged
 from cdlc.backends.pddl.domain import Domain, domain_text
-from cdlc.backends.pddl.fit import report_unfit, report_unset
+from cdlc.backends.pddl.fit import report_unfit, report_unmodelled, report_unset
+from cdlc.backends.pddl.methods import MethodStep, method_steps
 from cdlc.backends.pddl.names import Names
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.numbers import numeric
@@ -47,11 +48,12 @@ def to_pddl(
     model: Model, triples: Sequence[Triple], problem: Problem | None, found: Collector
 ) -> PddlTask | None:
     """Emit a program and, if given, a problem. None, with diagnostics, for what is not discrete."""
-    before = len(found.found)
+    before = found.errors
     report_unfit(model.program, found)
+    report_unmodelled(model.program, found)
     if problem is not None:
         report_unset(problem, found)
-    if len(found.found) > before:
+    if found.errors > before:
         return None
     try:
         return _task(model, triples, problem)
@@ -64,8 +66,11 @@ def to_pddl(
 def _task(model: Model, triples: Sequence[Triple], problem: Problem | None) -> PddlTask:
     program = model.program
     names = _names(program)
-    transitions, costs = charged(model, normal_forms(model, triples), problem)
-    made = actions(model, transitions, names, costs)
+    all_, steps = _with_methods(model, triples)
+    transitions, costs = charged(model, normal_forms(model, all_), problem)
+    made = actions(model, transitions, names, costs, steps)
+    if not made:  # nothing to charge for
+        costs = Costs()
     renamed = names.changed()
     goal = None if problem is None else _goal(model, problem, names)
     metric = None if problem is None else _metric(model, problem, names, costs)
@@ -78,6 +83,30 @@ def _task(model: Model, triples: Sequence[Triple], problem: Problem | None) -> P
     own = _renamings(names.changed()[len(renamed) :])
     stated = _heading("problem", problem.name) + own + problem_text(problem, goal, domain, metric)
     return PddlTask(program, made, names, text, stated, is_hopeless=goal == NEVER)
+
+
+def _with_methods(
+    model: Model, triples: Sequence[Triple]
+) -> tuple[list[Triple], dict[str, MethodStep]]:
+    """The triples of behaviors and of the steps of methods, in source order; and those steps."""
+    steps: dict[str, MethodStep] = {}
+    by_behavior: dict[str, list[Triple]] = {}
+    for triple in triples:
+        by_behavior.setdefault(triple.behavior, []).append(triple)
+    for method in model.program.behaviors:
+        if method.effect is None:
+            for step in method_steps(model.program, method):
+                steps[step.behavior.name] = step
+                by_behavior.setdefault(method.name, []).extend(_triples_of(model, step))
+    names = [b.name for b in model.program.behaviors]
+    return [t for name in names for t in by_behavior.get(name, ())], steps
+
+
+def _triples_of(model: Model, step: MethodStep) -> tuple[Triple, ...]:
+    try:
+        return model.triples(step.behavior)
+    except NotModelled as refused:
+        raise NotPddl(refused.construct, refused.location) from None
 
 
 def _names(program: Program) -> Names:

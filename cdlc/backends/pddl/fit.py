@@ -3,18 +3,20 @@
 from collections.abc import Iterator
 
 from cdlc.backends.errors import NotDiscrete, NotInPddl, UnsetInPddl
+from cdlc.backends.pddl.methods import unmodelled_calls
 from cdlc.backends.pddl.problems import unset_cells
 from cdlc.diagnostics import Collector
 from cdlc.ir.behaviors import statements_of
+from cdlc.ir.errors import UnmodelledController
 from crow.evaluate import shown_cell
 from crow.problem import Problem
-from crow.program import Assign, Behavior, Do, Expression, Feature, Location, Program, Read
+from crow.program import Assign, Expression, Feature, Location, Program, Read
 from crow.program.types import is_boolean, is_number, is_object
-from crow.program.walk import expressions_of, statements_within, subexpressions
+from crow.program.walk import expressions_of, subexpressions
 
 
 def report_unfit(program: Program, found: Collector) -> None:
-    """Report features without discrete values, and methods whose controllers no action runs."""
+    """Report features without discrete values, which PDDL has no form for."""
     for feature in program.features:
         if not (is_boolean(feature.type) or is_number(feature.type) or is_object(feature.type)):
             found.add(
@@ -25,16 +27,33 @@ def report_unfit(program: Program, found: Collector) -> None:
                     uses=tuple(uses(program, feature)),
                 )
             )
-    for behavior in program.behaviors:
-        if behavior.effect is None:
-            for call in _calls(behavior):
-                location = call.location or Location("", 1, 1, 1, 1)
-                construct = f"`{call.controller}` run by `{behavior.name}`, which has no effect,"
-                found.add(NotInPddl(location=location, construct=construct))
 
 
-def _calls(behavior: Behavior) -> Iterator[Do]:
-    return (s for s in statements_within(behavior.body) if isinstance(s, Do))
+def report_unmodelled(program: Program, found: Collector) -> None:
+    """Warn of controllers that methods run and nothing describes: planners do not see them."""
+    declared = {c.name: c.location for c in program.controllers}
+    for _, call in unmodelled_calls(program):
+        found.add(
+            UnmodelledController(
+                location=call.location or Location("", 1, 1, 1, 1),
+                controller=call.controller,
+                declared=declared[call.controller],
+            )
+        )
+
+
+def report_unplannable(program: Program, found: Collector) -> None:
+    """Report what keeps a planner's plan from being one of the program: controllers it cannot see.
+
+    The domain can be emitted, but its plans would leave them out.
+    """
+    for method, call in unmodelled_calls(program):
+        construct = f"`{call.controller}`, which `{method.name}` runs and no effect describes,"
+        location = call.location or Location("", 1, 1, 1, 1)
+        found.add(NotInPddl(location=location, construct=construct, cure=_UNMODELLED))
+
+
+_UNMODELLED = "give the controller, or the behavior, an `eff:` section"
 
 
 def uses(program: Program, feature: Feature) -> Iterator[Location]:

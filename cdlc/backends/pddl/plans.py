@@ -6,17 +6,21 @@ from dataclasses import dataclass
 from cdlc.backends.pddl.actions import Source
 from cdlc.backends.pddl.emit import PddlTask
 from crow.problem import World
-from crow.program import Type
+from crow.program import Behavior, Parameter, Type
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedTransition:
-    """A behavior with its arguments and binds; `also` are other behaviors it might have been."""
+    """A behavior with its arguments and binds; `also` are other behaviors it might have been.
+
+    `step` is the behavior to apply in its place where it is one step of a method.
+    """
 
     behavior: str
     arguments: tuple[str, ...]
     bindings: dict[str, str]
     also: tuple[str, ...]
+    step: Behavior | None = None
 
 
 class PlanFormatError(ValueError):
@@ -88,11 +92,26 @@ def _transition(
         elif chosen.object is not None:
             own[variable.name] = chosen.object
         else:
-            # What the transition does not depend on may be any object of its type.
-            objects = world.objects_of(variable.type)
-            if not objects:
-                needed = f"`{behavior.name}` needs an object of type `{variable.type}`"
-                raise PlanFormatError(f"{needed}, and there is none", line)
-            own[variable.name] = objects[0]
-    arguments = tuple(own.pop(parameter.name) for parameter in behavior.parameters)
-    return PlannedTransition(behavior.name, arguments, own, also)
+            own[variable.name] = _any_object(world, behavior.name, variable, line)
+    arguments = tuple(
+        own.pop(p.name) if p.name in own else _any_object(world, behavior.name, p, line)
+        for p in behavior.parameters
+    )
+    step = None if source.step is None else source.step.behavior
+    return PlannedTransition(behavior.name, arguments, own, also, step)
+
+
+def _any_object(world: World, behavior: str, variable: Parameter, line: int) -> str:
+    """What the transition does not depend on may be any object of its type."""
+    objects = world.objects_of(variable.type)
+    if not objects:
+        needed = f"`{behavior}` needs an object of type `{variable.type}`"
+        raise PlanFormatError(f"{needed}, and there is none", line)
+    return objects[0]
+
+
+def arguments_of(step: Behavior, method: Behavior, planned: PlannedTransition) -> tuple[str, ...]:
+    """The arguments of one step of a method, out of those of the method and its binds."""
+    names = [p.name for p in method.parameters]
+    values = dict(zip(names, planned.arguments, strict=True)) | planned.bindings
+    return tuple(values[p.name] for p in step.parameters)

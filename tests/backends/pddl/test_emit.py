@@ -72,11 +72,6 @@ ACT = "behavior act(x: T):\n  body:\n    {}\n  eff: q[x] = True\n"
             1,
         ),
         (
-            "behavior act(x: T):\n  body: do go(x)",
-            "`go` run by `act`, which has no effect,",
-            2,
-        ),
-        (
             ACT.format("assert " + " ^ ".join(f"p(c{i})" for i in range(20))),
             "a condition that is too large when written out",
             3,
