@@ -127,8 +127,19 @@ def _compile_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("files", nargs="+", metavar="FILE", help="DOMAIN [PROBLEM]")
     command.add_argument("--emit", required=True, choices=("pddl", "ir", "hoare"))
     command.add_argument("-o", dest="output", type=Path, metavar="DIR", help="write files there")
+    _emission(command)
     command.add_argument(
         "--strict", action="store_true", help="treat what planners would not see as an error"
+    )
+
+
+def _emission(command: argparse.ArgumentParser) -> None:
+    """How PDDL is emitted."""
+    command.add_argument(
+        "--derived",
+        choices=("inline", "axioms"),
+        default="inline",
+        help="derived functions in PDDL: unfolded, or as `:derived` predicates",
     )
 
 
@@ -137,6 +148,7 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--engine", default="fast-downward", metavar="NAME", help="default: %(default)s"
     )
+    _emission(command)
     command.add_argument("--time-limit", type=_positive(float), metavar="S", help="seconds")
     command.add_argument("--max-memory", type=_positive(int), metavar="MB")
     _format(command)
@@ -192,6 +204,7 @@ def compile_(options: argparse.Namespace) -> int:
     if len(options.files) > 2:
         return _usage("compile takes DOMAIN [PROBLEM]")
     compilation = driver.compilation(options.files)
+    compilation.axioms = options.derived == "axioms"
     match options.emit:
         case "pddl":
             texts = {"domain.pddl": compilation.pddl.domain}
@@ -218,6 +231,7 @@ def plan(options: argparse.Namespace) -> int:
     compilation = _problem_compilation(options)
     if compilation is None:
         return USAGE
+    compilation.axioms = options.derived == "axioms"
     from cdlc.backends.engines import EngineError
     from cdlc.backends.pddl.solve import InvalidPlan, solve_task
 

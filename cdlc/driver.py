@@ -54,6 +54,7 @@ class Compilation:
     problem_file: str | None = None
     found: Collector = field(default_factory=Collector)
     read_standard_input: Callable[[], bytes] = read_standard_input
+    axioms: bool = False
 
     @cached_property
     def files(self) -> Files:
@@ -118,10 +119,10 @@ class Compilation:
     @cached_property
     def pddl(self) -> "PddlTask":
         """The PDDL of the domain and, if there is one, of the problem."""
-        from cdlc.backends.pddl import to_pddl
+        from cdlc.backends.pddl import Emission, to_pddl
 
         problem = self.problem if self.statement is not None else None
-        task = to_pddl(self.model, self.triples, problem, self.found)
+        task = to_pddl(self.model, self.triples, problem, self.found, Emission(self.axioms))
         self._stop_at_errors()
         assert task is not None
         return task

@@ -14,6 +14,8 @@ from unified_planning.environment import get_environment
 from unified_planning.io import PDDLReader
 from unified_planning.plans import PlanKind
 
+from cdlc.backends.engines.direct import lacks_directly, needs_direct, solve_directly
+
 # An answer is JSON: {"outcome": "plan", "steps": [[action, argument...]...]}, or an outcome that is
 # another EngineStatus, or "missing" {"engines"}, "unsupported" {"features"}, "failed" {"reason"}.
 Answer = dict[str, Any]
@@ -49,6 +51,9 @@ def answer(request: dict[str, Any]) -> Answer:
 def _solve(request: dict[str, Any]) -> Answer:
     environment = _environment()
     planner_class = _planner_class(environment.factory, request["engine"])
+    if needs_direct(request["domain"]):
+        _limit_memory(request["memory_limit_mb"])
+        return solve_directly(request, planner_class)
     # Only now: the libraries just imported reserve far more address space than they use.
     _limit_memory(request["memory_limit_mb"])
     problem = _read(request["domain"], request["problem"])
@@ -77,8 +82,13 @@ def _describe(request: dict[str, Any]) -> Answer:
     """What engines take, and which parts of the task, if there is one, they do not."""
     environment = _environment()
     kind = None
-    if request["domain"] is not None:
-        kind = _read(request["domain"], request["problem"]).kind
+    domain = request["domain"]
+    if domain is not None and needs_direct(domain):
+        names = request["engines"]
+        described = [{"name": n, "accepts": [], "lacks": lacks_directly(n, domain)} for n in names]
+        return {"outcome": "described", "engines": described}
+    if domain is not None:
+        kind = _read(domain, request["problem"]).kind
         if request["problem"] is None:  # numbers have no initial values yet
             kind.unset_initial_state("UNDEFINED_INITIAL_NUMERIC")
     described = []

@@ -25,6 +25,7 @@ WORDS: Final = MappingProxyType(
         "FLUENTS_IN_NUMERIC_ASSIGNMENTS": "numbers",
         "STATIC_FLUENTS_IN_NUMERIC_ASSIGNMENTS": "numbers",
         "FINAL_VALUE": "minimizing a number",
+        "DERIVED_PREDICATES": "derived predicates",
         "HIERARCHICAL_TYPING": "subtypes",
     }
 )

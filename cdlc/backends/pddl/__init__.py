@@ -7,7 +7,7 @@ emit        the text of domain and problem
 plans       plans of PDDL planners as transitions of the program
 """
 
-from cdlc.backends.pddl.emit import PddlTask, to_pddl
+from cdlc.backends.pddl.emit import Emission, PddlTask, to_pddl
 from cdlc.backends.pddl.plans import read_plan, to_step
 
-__all__ = ["PddlTask", "to_pddl", "read_plan", "to_step"]
+__all__ = ["Emission", "PddlTask", "to_pddl", "read_plan", "to_step"]

@@ -17,6 +17,7 @@ from cdlc.backends.pddl.names import Names
 from cdlc.backends.pddl.normal import NormalTriple, conjuncts
 from cdlc.backends.pddl.numbers import number_text
 from cdlc.backends.pddl.sexpr import SExpr
+from cdlc.ir.behaviors import parts_of
 from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.pool import Pool
@@ -148,7 +149,8 @@ def _weights(
             return None
         weights[read.feature] = factor
     goal = model.formula(problem.goal)
-    if any(isinstance(p, Read) and p.feature in weights for p in in_order(goal)):
+    bodies = [part for f in model.program.functions for part in parts_of(f.body or ())]
+    if any(isinstance(p, Read) and p.feature in weights for p in (*in_order(goal), *bodies)):
         return None
     assigned = {u.feature for form in forms for u in form.triple.post}
     for form in forms:

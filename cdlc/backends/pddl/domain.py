@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cdlc.backends.pddl.actions import Action, parameter_list
+from cdlc.backends.pddl.axioms import Axiom
 from cdlc.backends.pddl.conditions import type_name, typed
 from cdlc.backends.pddl.costs import Costs, CostTable
 from cdlc.backends.pddl.names import Names, legal_name, variable_name
@@ -25,6 +26,7 @@ class Domain:
     actions: tuple[Action, ...]
     features: tuple[Feature, ...]
     costs: Costs
+    axioms: tuple[Axiom, ...] = ()
     conditions: tuple[SExpr, ...] = ()
 
     @property
@@ -42,6 +44,7 @@ def domain_text(domain: Domain) -> str:
         *_constants(program, names),
         *_predicates(domain),
         *_functions(domain),
+        *(axiom.text(names) for axiom in domain.axioms),
         *(_action(action, names) for action in domain.actions),
     ]
     return f"(define (domain {legal_name(program.name)})\n{sections(parts)})\n"
@@ -66,7 +69,8 @@ def _requirements(domain: Domain) -> Iterator[str]:
     """The requirements that are used, in the order of the PDDL manuals."""
     made = domain.actions
     guards = [guard for a in made for e in a.effects for guard in _guards(e)]
-    conditions = [*(a.precondition for a in made), *domain.conditions, *guards]
+    bodies = (a.body for a in domain.axioms)
+    conditions = [*(a.precondition for a in made), *domain.conditions, *guards, *bodies]
     used = {word for c in conditions for word in words(c)}
     yield ":strips"
     if any(type_.is_object for type_ in domain.program.types):
@@ -83,6 +87,8 @@ def _requirements(domain: Domain) -> Iterator[str]:
         yield ":universal-preconditions"
     if guards or any(e[0] == "forall" for a in made for e in a.effects):
         yield ":conditional-effects"
+    if domain.axioms:
+        yield ":derived-predicates"
     if _needs_numbers(domain):
         yield ":numeric-fluents"
     if domain.costs.are_used:
@@ -166,6 +172,7 @@ def _constants(program: Program, names: Names) -> Iterator[str]:
 def _predicates(domain: Domain) -> Iterator[str]:
     features = [f for f in domain.features if not is_number(f.type)]
     lines = [printed(_declared(f, domain.names)) for f in features]
+    lines += [printed(axiom.head(domain.names)) for axiom in domain.axioms]
     if lines:
         yield "(:predicates\n  " + "\n  ".join(lines) + ")"
 

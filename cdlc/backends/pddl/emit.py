@@ -6,6 +6,13 @@ from functools import cached_property
 
 from cdlc.backends.errors import NotInPddl
 from cdlc.backends.pddl.actions import Action, actions, normal_forms
+from cdlc.backends.pddl.axioms import (
+    axioms,
+    is_predicate,
+    opaque_model,
+    opaque_triples,
+    used_axioms,
+)
 from cdlc.backends.pddl.conditions import Lowering, atom, condition
 from cdlc.backends.pddl.costs import Costs, charged
 from cdlc.backends.pddl.domain import Domain, domain_text
@@ -15,7 +22,7 @@ from cdlc.backends.pddl.names import Names
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.numbers import numeric
 from cdlc.backends.pddl.problems import problem_text
-from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr, words
+from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr, TooLarge, words
 from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.symbolic import NotModelled
@@ -44,10 +51,24 @@ class PddlTask:
         return {action.name.lower(): action for action in self.actions}
 
 
+@dataclass(frozen=True, slots=True)
+class Emission:
+    """How a program is emitted: `axioms` keeps derived functions as `:derived` predicates."""
+
+    axioms: bool = False
+
+
 def to_pddl(
-    model: Model, triples: Sequence[Triple], problem: Problem | None, found: Collector
+    model: Model,
+    triples: Sequence[Triple],
+    problem: Problem | None,
+    found: Collector,
+    emission: Emission = Emission(),
 ) -> PddlTask | None:
-    """Emit a program and, if given, a problem. None, with diagnostics, for what is not discrete."""
+    """Emit a program and, if given, a problem. None, with diagnostics, for what is not discrete.
+
+    Derived functions become `:derived` predicates also where unfolding them has no end.
+    """
     before = found.errors
     report_unfit(model.program, found)
     report_unmodelled(model.program, found)
@@ -56,33 +77,58 @@ def to_pddl(
     if found.errors > before:
         return None
     try:
-        return _task(model, triples, problem)
+        return _smallest(model, triples, problem, emission)
     except NotPddl as refused:
         location = refused.location or Location("", 1, 1, 1, 1)
         found.add(NotInPddl(location=location, construct=refused.construct, cure=refused.cure))
         return None
 
 
-def _task(model: Model, triples: Sequence[Triple], problem: Problem | None) -> PddlTask:
-    program = model.program
+def _smallest(
+    model: Model, triples: Sequence[Triple], problem: Problem | None, emission: Emission
+) -> PddlTask:
+    """The task with its derived functions unfolded, if that has an end and is wanted."""
+    if not any(map(is_predicate, model.program.functions)):
+        return _task(model, model, triples, problem)
+    if not emission.axioms:
+        try:
+            return _task(model, model, triples, problem)
+        except TooLarge:
+            pass
+    opaque = opaque_model(model)
+    wanted = {triple.behavior for triple in triples}
+    behaviors = [b for b in model.program.behaviors if b.name in wanted]
+    return _task(opaque, model, tuple(opaque_triples(opaque, model, behaviors)), problem)
+
+
+def _task(
+    model: Model, unfolding: Model, triples: Sequence[Triple], problem: Problem | None
+) -> PddlTask:
+    """The task in the formulas of a model; `unfolding` is that which unfolds all it can."""
+    program = unfolding.program
     names = _names(program)
+    kept = axioms(model, unfolding, names)
     all_, steps = _with_methods(model, triples)
-    transitions, costs = charged(model, normal_forms(model, all_), problem)
+    transitions, costs = charged(unfolding, normal_forms(model, all_), problem)
     made = actions(model, transitions, names, costs, steps)
     if not made:  # nothing to charge for
         costs = Costs()
     renamed = names.changed()
     goal = None if problem is None else _goal(model, problem, names)
     metric = None if problem is None else _metric(model, problem, names, costs)
-    features = tuple(_features(program, names, made, costs, (goal or (), metric or ())))
-    domain = Domain(program, names, made, features, costs, () if goal is None else (goal,))
+    others = (goal or (), metric or (), *(a.body for a in kept))
+    features = tuple(_features(program, names, made, costs, others))
+    formulas = [f for a in made for f in (a.precondition, *a.effects)]
+    used = used_axioms(kept, [*others[:2], *formulas])
+    domain = Domain(program, names, made, features, costs, used, () if goal is None else (goal,))
     heading = _heading("domain", program.name) + _renamings(renamed) + _scaling(costs)
     text = heading + domain_text(domain)
     if problem is None or goal is None:
-        return PddlTask(program, made, names, text, None)
+        return PddlTask(program, made, names, text, None, has_axioms=bool(used))
     own = _renamings(names.changed()[len(renamed) :])
     stated = _heading("problem", problem.name) + own + problem_text(problem, goal, domain, metric)
-    return PddlTask(program, made, names, text, stated, is_hopeless=goal == NEVER)
+    is_hopeless = goal == NEVER
+    return PddlTask(program, made, names, text, stated, is_hopeless, has_axioms=bool(used))
 
 
 def _with_methods(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from cdlc.backends.pddl.cases import Known, cases, grouped
 from cdlc.backends.pddl.conditions import as_value
 from cdlc.backends.pddl.defined import is_defined
-from cdlc.backends.pddl.sexpr import NotPddl
+from cdlc.backends.pddl.sexpr import NotPddl, TooLarge
 from cdlc.ir.graph import in_order, parts
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.pool import Pool
@@ -27,6 +27,7 @@ from crow.program import (
     Expression,
     Object,
     Parameter,
+    Quantified,
     Read,
     Variable,
 )
@@ -65,9 +66,26 @@ def normal(triple: Triple, model: Model) -> NormalTriple:
 def plain(node: Expression, pool: Pool) -> Expression:
     """An expression without `min`, `max` and `abs`, and without choices of objects inside terms.
 
-    Raises NotPddl for arithmetic on constants that has no value.
+    Raises NotPddl for arithmetic on constants that has no value, and for a formula whose
+    quantifiers, written out, have no end.
     """
+    if _quantifiers(node, {}) > _MOST_QUANTIFIERS:
+        location = next((part.location for part in in_order(node) if part.location), None)
+        raise TooLarge("a condition that is too large when written out", location)
     return pool.rebuild(node, {}, lambda part: _plain(part, pool))
+
+
+# Each is opened where it stands, also one that a formula holds many times.
+_MOST_QUANTIFIERS = 5_000
+
+
+def _quantifiers(node: Expression, known: dict[int, int]) -> int:
+    """How many quantifiers have to be opened to get into all of them."""
+    if id(node) not in known:
+        body = node.body if isinstance(node, Quantified) else node
+        inside = [p for p in in_order(body, into_quantifiers=False) if isinstance(p, Quantified)]
+        known[id(node)] = sum(1 + _quantifiers(part, known) for part in inside)
+    return known[id(node)]
 
 
 def _plain(node: Expression, pool: Pool) -> Expression:
