@@ -62,12 +62,14 @@ def _parser() -> argparse.ArgumentParser:
     _plan_arguments(_command(commands, "plan", plan, "find a plan for a problem"))
     validator = _command(commands, "validate", validate, "check a plan for a problem")
     _files(validator, "DOMAIN", "PROBLEM", "PLAN")
+    _functions(validator)
     simulator = _command(commands, "simulate", simulate, "apply behaviors one after another")
     _files(simulator, "DOMAIN", "PROBLEM")
     simulator.add_argument(
         "--step", action="append", default=[], metavar="CALL", help="a behavior: 'name(a, bind=b)'"
     )
     _format(simulator)
+    _functions(simulator)
     importer = _command(commands, "import", import_, "translate PDDL into CDL")
     importer.add_argument("domain", metavar="DOMAIN.pddl")
     importer.add_argument("problem", metavar="PROBLEM.pddl", nargs="?")
@@ -133,8 +135,27 @@ def _compile_arguments(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _functions(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--functions", metavar="FILE.py", help="Python of external functions")
+
+
+def _with_functions(options: argparse.Namespace, compilation: driver.Compilation) -> bool:
+    """Give a compilation the Python of its functions; False, with a message, if that fails."""
+    if options.functions is None:
+        return True
+    from cdlc.backends.functions import FunctionsError, load_functions
+
+    try:
+        compilation.functions = load_functions(options.functions)
+    except FunctionsError as error:
+        print(f"error[cannot-run-functions]: {error}", file=sys.stderr)
+        return False
+    return True
+
+
 def _emission(command: argparse.ArgumentParser) -> None:
     """How PDDL is emitted."""
+    _functions(command)
     command.add_argument(
         "--derived",
         choices=("inline", "axioms"),
@@ -205,6 +226,8 @@ def compile_(options: argparse.Namespace) -> int:
         return _usage("compile takes DOMAIN [PROBLEM]")
     compilation = driver.compilation(options.files)
     compilation.axioms = options.derived == "axioms"
+    if not _with_functions(options, compilation):
+        return INPUT_ERRORS
     match options.emit:
         case "pddl":
             texts = {"domain.pddl": compilation.pddl.domain}
@@ -232,6 +255,8 @@ def plan(options: argparse.Namespace) -> int:
     if compilation is None:
         return USAGE
     compilation.axioms = options.derived == "axioms"
+    if not _with_functions(options, compilation):
+        return INPUT_ERRORS
     from cdlc.backends.engines import EngineError
     from cdlc.backends.pddl.solve import InvalidPlan, solve_task
 
@@ -276,6 +301,8 @@ def validate(options: argparse.Namespace) -> int:
         return _usage("validate takes [DOMAIN] PROBLEM PLAN")
     *files, plan_file = options.files
     compilation = driver.problem_compilation(files)
+    if not _with_functions(options, compilation):
+        return INPUT_ERRORS
     from cdlc.plans.validate import validate as run
 
     _ = compilation.problem
@@ -294,6 +321,8 @@ def simulate(options: argparse.Namespace) -> int:
     compilation = _problem_compilation(options)
     if compilation is None:
         return USAGE
+    if not _with_functions(options, compilation):
+        return INPUT_ERRORS
     from cdlc.plans.simulate import simulate as run
     from cdlc.plans.simulate import state_text
 

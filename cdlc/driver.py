@@ -17,6 +17,7 @@ from cdlc.source import SourceFile
 from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
+    from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Model, Triple
     from crow.problem import Problem
@@ -55,6 +56,7 @@ class Compilation:
     found: Collector = field(default_factory=Collector)
     read_standard_input: Callable[[], bytes] = read_standard_input
     axioms: bool = False
+    functions: "Functions | None" = None
 
     @cached_property
     def files(self) -> Files:
@@ -96,16 +98,29 @@ class Compilation:
 
         assert self.statement is not None
         problem = to_runtime(self.program, self.statement, self.found)
+        if problem is not None and self.functions:
+            from cdlc.backends.functions import tabulated_problem
+
+            problem = tabulated_problem(problem, self.tabulated, self.functions, self.found)
         self._stop_at_errors()
         assert problem is not None
         return problem
+
+    @cached_property
+    def tabulated(self) -> Program:
+        """The program, external functions of objects that are given in Python as features."""
+        if not self.functions:
+            return self.program
+        from cdlc.backends.functions import tabulated
+
+        return tabulated(self.program, self.functions)
 
     @cached_property
     def model(self) -> "Model":
         """The formulas of the program."""
         from cdlc.ir.hoare import Model
 
-        return Model(self.program)
+        return Model(self.tabulated)
 
     @cached_property
     def triples(self) -> "tuple[Triple, ...]":
@@ -133,7 +148,7 @@ class Compilation:
         from cdlc.backends.pddl.fit import report_unplannable
 
         task = self.pddl
-        report_unplannable(self.program, self.found)
+        report_unplannable(self.tabulated, self.found)
         self._stop_at_errors()
         return task
 

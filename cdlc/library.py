@@ -11,6 +11,7 @@ from crow.program import ProblemStatement, Program
 if TYPE_CHECKING:
     from unified_planning.model import Problem as UpProblem
 
+    from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Triple
 
@@ -73,12 +74,16 @@ def check(path: Path) -> tuple[Diagnostic, ...]:
     return compilation.found.sorted()
 
 
-def compile(domain: Path, problem: Path | None = None) -> Compiled:  # noqa: A001 - the natural name
+def compile(  # noqa: A001 - the natural name
+    domain: Path, problem: Path | None = None, functions: "Functions | None" = None
+) -> Compiled:
     """Compile a domain or problem file, or a problem with another domain than it names.
 
-    Raises CompileError, which holds every diagnostic, if there are errors.
+    `functions` is the Python of external functions by name. Raises CompileError, which holds every
+    diagnostic, if there are errors.
     """
     files = [fspath(domain)] + ([] if problem is None else [fspath(problem)])
     compilation = driver.compilation(files)
     _ = compilation.checked
+    compilation.functions = functions
     return Compiled(compilation)

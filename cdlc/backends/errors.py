@@ -105,3 +105,22 @@ class UnsetInPddl(Diagnostic):
 
     def help(self) -> tuple[Help, ...]:
         return (Help(f"set `{self.cells[0].replace('(', '[').replace(')', ']')}` in `init:`"),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class FunctionFailed(Diagnostic):
+    """An external function whose Python, given with `--functions`, has no truth value.
+
+        def near(a: place, b: place) -> bool      # def near(a, b): return distance[a, b] < 3
+
+    It is called once for each tuple of objects, with their names, and has to return True or False.
+    """
+
+    call: str
+    reason: str
+
+    def message(self) -> str:
+        return f"`{self.call}` {self.reason}"
+
+    def label(self) -> str:
+        return "declared here"

@@ -1,9 +1,10 @@
 """Checking plans that somebody else made: text or JSON as `plan` prints it, or PDDL."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
+from cdlc.backends.functions import as_reads
 from cdlc.backends.pddl.emit import PddlTask
 from cdlc.backends.pddl.methods import method_steps
 from cdlc.diagnostics import Collector
@@ -16,9 +17,9 @@ from cdlc.plans.traces import TraceFormatError, read_trace
 from cdlc.source import SourceFile
 from crow.plan import call_text
 from crow.problem import Problem, State
-from crow.program import Location
+from crow.program import Location, Program
 from crow.replay import goal_item, replay
-from crow.trace import DoItem
+from crow.trace import AssertItem, DoItem, TraceItem
 from crow.transition import Ambiguous, Transition, Unmet, apply
 
 
@@ -184,6 +185,7 @@ def _check_trace(
     except TraceFormatError as error:
         found.add(BadPlan(location=start, reason=str(error)))
         return 0
+    trace = tuple(_with_tables(item, domain.program, problem.world.program) for item in trace)
     made = [(item.controller, item.arguments) for item in trace if isinstance(item, DoItem)]
     claimed = [call for step in steps for call in step.calls or ()]
     replayed = replay(problem.world, problem.initial, trace)
@@ -198,3 +200,11 @@ def _check_trace(
     if reason is not None:
         found.add(BadPlan(location=start, reason=reason))
     return len(trace)
+
+
+def _with_tables(item: TraceItem, declared: Program, tabulated: Program) -> TraceItem:
+    """A trace item with functions of Python as the features they have become."""
+    if declared is tabulated or not isinstance(item, AssertItem):
+        return item
+    names = {f.name for f in tabulated.features} - {f.name for f in declared.features}
+    return replace(item, condition=as_reads(item.condition, frozenset(names)))

@@ -153,6 +153,9 @@ def _atomic(node: Expression, lowering: Lowering) -> SExpr:
                 lowering.names.get("derived", name),
                 *(term(a, lowering) for a in arguments),
             )
+        case Apply(function=name) if is_boolean(node.type):
+            cure = "give the Python of a function of objects with `--functions FILE.py`"
+            raise NotPddl(described(node), node.location, cure)
         case _:
             raise NotPddl(described(node), node.location)
 
