@@ -12,7 +12,7 @@ from cdlc.backends.pddl.conditions import Lowering, condition, typed
 from cdlc.backends.pddl.costs import Charged, Costs, CostTable, charge_of, table_of
 from cdlc.backends.pddl.effects import effects, overruling
 from cdlc.backends.pddl.methods import MethodStep
-from cdlc.backends.pddl.names import Names, variable_name
+from cdlc.backends.pddl.names import Names, imported_name, variable_name
 from cdlc.backends.pddl.normal import NormalTriple, normal
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
 from cdlc.ir.hoare import Model, Triple
@@ -209,7 +209,8 @@ def _action(
         return None
     clauses = tuple(effects(triple.post, triple.pre, lowering, executor))
     types = {p.name: p.type for p in triple.parameters}
-    name = names.add("action", _name(triple, names, steps))
+    name = _name(triple, names, steps)
+    name = names.add("action", name, _imported(model.program, name))
     cost = first.charged.cost
     own = [Parameter(n, types[n]) for n in first.order]
     table = table_of(cost, own, name, names, costs)
@@ -262,6 +263,12 @@ def _parameter_names(program: Program, ordered: _Ordered) -> dict[str, str]:
     for name in ordered.order:
         chosen[name] = variable_name(wanted[name], chosen.values())
     return chosen
+
+
+def _imported(program: Program, name: str) -> str | None:
+    """What the controller of a name was called in the PDDL it was imported from."""
+    found = (imported_name(c) for c in program.controllers if c.name == name)
+    return next(found, None)
 
 
 def _name(triple: Triple, names: Names, steps: Mapping[str, MethodStep]) -> str:

@@ -66,7 +66,8 @@ def charged(
             return [Charged(form, Linear.of(0)) for form in known], Costs()
         made = [c for form in known for c in _split(form, weights, model.pool)]
         return made, Costs(weights, scale=_scale(made, problem))
-    counts = any(len(form.triple.calls) != 1 for form in known)
+    calls = {len(form.triple.calls) for form in known}
+    counts = bool(calls - {1}) and calls != {0}
     return [Charged(f, Linear.of(len(f.triple.calls))) for f in known], Costs(counts_calls=counts)
 
 

@@ -1,7 +1,7 @@
-"""What a transition needs beyond its conditions: values in their bounds, no division by zero.
+"""What a transition needs beyond its conditions: no division by zero.
 
-The interpreter does not apply a transition that would leave the bounds of a feature, or whose
-effect has no value; PDDL has to be told by preconditions.
+The interpreter does not apply a transition whose effect has no value; PDDL has to be told by
+preconditions.
 """
 
 from collections.abc import Iterator
@@ -12,22 +12,14 @@ from cdlc.backends.pddl.sexpr import NotPddl
 from cdlc.ir.graph import in_order
 from cdlc.ir.pool import Pool
 from cdlc.ir.symbolic import Executor, Update
-from crow.program import And, Arithmetic, Compare, Constant, Expression, Feature
-from crow.program.types import INT64, is_number
-
-Bounds = tuple[int | None, int | None]
-
-
-def bounds_of(feature: Feature) -> Bounds:
-    """The least and the greatest value of a feature, as `[[min=0, max=20]]` says."""
-    given = {a.name: a.value for a in feature.annotations if isinstance(a.value, int)}
-    return given.get("min"), given.get("max")
+from crow.program import And, Arithmetic, Compare, Constant, Expression
+from crow.program.types import is_number
 
 
 def is_defined(
     pre: tuple[Expression, ...], post: tuple[Update, ...], executor: Executor
 ) -> Iterator[Expression]:
-    """Conditions under which an effect has values that its features hold. Raises NotPddl."""
+    """Conditions under which an effect has values. Raises NotPddl."""
     for part in pre:
         yield from _divisors_of_condition(part, executor.pool)
     for update in post:
@@ -39,35 +31,16 @@ def is_defined(
 def _is_update_defined(
     update: Update, post: tuple[Update, ...], executor: Executor
 ) -> Iterator[Expression]:
-    pool, feature = executor.pool, executor.features[update.feature]
+    pool = executor.pool
     guard = effective_guard(update, post, executor)
-    cell = pool.read(update.feature, update.arguments, feature.type)
     known = guard.operands if isinstance(guard, And) else (guard,)
     for when, (value,) in grouped(pool, cases(pool, (update.value,), known, update.location)):
         refuse_division(when)
-        needed = [*_within(value, cell, bounds_of(feature), pool), *_divisors(value, pool)]
+        needed = list(_divisors(value, pool))
         if needed:
             fires = pool.negation(pool.conjunction((guard, when)))
             condition = pool.disjunction((fires, pool.conjunction(needed)))
             yield pool.quantified("forall", update.variables, condition)
-
-
-def _within(
-    value: Expression, cell: Expression, bounds: Bounds, pool: Pool
-) -> Iterator[Expression]:
-    """That a new value is within bounds, where the old one is."""
-    low, high = bounds
-    for bound, operator in ((low, ">="), (high, "<=")):
-        if bound is None or value is cell:
-            continue
-        match value, operator:
-            case (Arithmetic(operator="+", left=left, right=Constant()), ">=") if left is cell:
-                continue
-            case (Arithmetic(operator="-", left=left, right=Constant()), "<=") if left is cell:
-                continue
-            case _:
-                limit = pool.constant(bound, INT64)
-                yield pool.compare(">=" if operator == ">=" else "<=", value, limit)
 
 
 def _divisors(value: Expression, pool: Pool) -> Iterator[Expression]:

@@ -18,7 +18,7 @@ from cdlc.backends.pddl.costs import Costs, charged
 from cdlc.backends.pddl.domain import Domain, domain_text
 from cdlc.backends.pddl.fit import report_unfit, report_unmodelled, report_unset
 from cdlc.backends.pddl.methods import MethodStep, method_steps
-from cdlc.backends.pddl.names import Names
+from cdlc.backends.pddl.names import Names, imported_name
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.numbers import numeric
 from cdlc.backends.pddl.problems import problem_text
@@ -159,11 +159,11 @@ def _names(program: Program) -> Names:
     names = Names()
     for type_ in program.types:
         if type_.is_object:
-            names.add("type", type_.name)
+            names.add("type", type_.name, imported_name(type_))
     for feature in program.features:
-        names.add("feature", feature.name)
+        names.add("feature", feature.name, imported_name(feature))
     for constant in program.constants:
-        names.add("object", constant.name)
+        names.add("object", constant.name, imported_name(constant))
     return names
 
 

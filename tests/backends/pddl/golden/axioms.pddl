@@ -1,6 +1,6 @@
 ; Emitted by cdlc from the CDL domain "derived".
 (define (domain derived)
-  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :universal-preconditions :conditional-effects :derived-predicates :action-costs)
+  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :universal-preconditions :conditional-effects :derived-predicates)
   (:types T)
   (:predicates
     (on ?x ?y - T)
@@ -8,8 +8,6 @@
     (lamp)
     (clear ?x - T)
     (top ?y - T))
-  (:functions
-    (total-cost) - number)
   (:derived (clear ?x - T)
     (not (exists (?t - T) (on ?t ?x))))
   (:derived (top ?y - T)
@@ -33,9 +31,7 @@
     a b - T)
   (:init
     (on a b)
-    (lamp)
-    (= (total-cost) 0))
+    (lamp))
   (:goal (and
     (top b)
-    (forall (?t - T) (clear ?t))))
-  (:metric minimize (total-cost)))
+    (forall (?t - T) (clear ?t)))))

@@ -1,13 +1,11 @@
 ; Emitted by cdlc from the CDL domain "derived".
 (define (domain derived)
-  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :universal-preconditions :conditional-effects :action-costs)
+  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality :existential-preconditions :universal-preconditions :conditional-effects)
   (:types T)
   (:predicates
     (on ?x ?y - T)
     (wet ?x - T)
     (lamp))
-  (:functions
-    (total-cost) - number)
   (:action lift  ; lift
     :parameters (?x ?y - T)
     :precondition (and
@@ -27,10 +25,8 @@
     a b - T)
   (:init
     (on a b)
-    (lamp)
-    (= (total-cost) 0))
+    (lamp))
   (:goal (and
     (not (exists (?t - T) (on ?t b)))
     (not (wet b))
-    (forall (?t - T) (not (exists (?t-2 - T) (on ?t-2 ?t))))))
-  (:metric minimize (total-cost)))
+    (forall (?t - T) (not (exists (?t-2 - T) (on ?t-2 ?t)))))))
