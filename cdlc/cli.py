@@ -162,6 +162,12 @@ def _emission(command: argparse.ArgumentParser) -> None:
         default="inline",
         help="derived functions in PDDL: unfolded, or as `:derived` predicates",
     )
+    command.add_argument(
+        "--numeric",
+        choices=("fluents", "enumerate"),
+        default="fluents",
+        help="whole numbers with bounds in PDDL: functions, or objects for classical planners",
+    )
 
 
 def _plan_arguments(command: argparse.ArgumentParser) -> None:
@@ -226,6 +232,7 @@ def compile_(options: argparse.Namespace) -> int:
         return _usage("compile takes DOMAIN [PROBLEM]")
     compilation = driver.compilation(options.files)
     compilation.axioms = options.derived == "axioms"
+    compilation.enumerates = options.numeric == "enumerate"
     if not _with_functions(options, compilation):
         return INPUT_ERRORS
     match options.emit:
@@ -255,6 +262,7 @@ def plan(options: argparse.Namespace) -> int:
     if compilation is None:
         return USAGE
     compilation.axioms = options.derived == "axioms"
+    compilation.enumerates = options.numeric == "enumerate"
     if not _with_functions(options, compilation):
         return INPUT_ERRORS
     from cdlc.backends.engines import EngineError

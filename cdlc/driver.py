@@ -56,6 +56,7 @@ class Compilation:
     found: Collector = field(default_factory=Collector)
     read_standard_input: Callable[[], bytes] = read_standard_input
     axioms: bool = False
+    enumerates: bool = False
     functions: "Functions | None" = None
 
     @cached_property
@@ -137,7 +138,8 @@ class Compilation:
         from cdlc.backends.pddl import Emission, to_pddl
 
         problem = self.problem if self.statement is not None else None
-        task = to_pddl(self.model, self.triples, problem, self.found, Emission(self.axioms))
+        emission = Emission(self.axioms, self.enumerates)
+        task = to_pddl(self.model, self.triples, problem, self.found, emission)
         self._stop_at_errors()
         assert task is not None
         return task

@@ -16,6 +16,7 @@ from cdlc.backends.pddl.axioms import (
 from cdlc.backends.pddl.conditions import Lowering, atom, condition
 from cdlc.backends.pddl.costs import Costs, charged
 from cdlc.backends.pddl.domain import Domain, domain_text
+from cdlc.backends.pddl.enumerated import enumerated
 from cdlc.backends.pddl.fit import report_unfit, report_unmodelled, report_unset
 from cdlc.backends.pddl.methods import MethodStep, method_steps
 from cdlc.backends.pddl.names import Names, imported_name
@@ -53,9 +54,14 @@ class PddlTask:
 
 @dataclass(frozen=True, slots=True)
 class Emission:
-    """How a program is emitted: `axioms` keeps derived functions as `:derived` predicates."""
+    """How a program is emitted.
+
+    `axioms` keeps derived functions as `:derived` predicates, `enumerates` makes whole numbers with
+    bounds objects; with both, derived functions are unfolded.
+    """
 
     axioms: bool = False
+    enumerates: bool = False
 
 
 def to_pddl(
@@ -88,6 +94,8 @@ def _smallest(
     model: Model, triples: Sequence[Triple], problem: Problem | None, emission: Emission
 ) -> PddlTask:
     """The task with its derived functions unfolded, if that has an end and is wanted."""
+    if emission.enumerates:
+        return _enumerated(model, triples, problem)
     if not any(map(is_predicate, model.program.functions)):
         return _task(model, model, triples, problem)
     if not emission.axioms:
@@ -101,14 +109,32 @@ def _smallest(
     return _task(opaque, model, tuple(opaque_triples(opaque, model, behaviors)), problem)
 
 
+def _enumerated(model: Model, triples: Sequence[Triple], problem: Problem | None) -> PddlTask:
+    """The task with objects for numbers."""
+    all_, steps = _with_methods(model, triples)
+    inside, made, stated = enumerated(model, all_, problem)
+    return _task_of(inside, inside, made, steps, stated)
+
+
 def _task(
     model: Model, unfolding: Model, triples: Sequence[Triple], problem: Problem | None
 ) -> PddlTask:
     """The task in the formulas of a model; `unfolding` is that which unfolds all it can."""
+    all_, steps = _with_methods(model, triples)
+    return _task_of(model, unfolding, all_, steps, problem)
+
+
+def _task_of(
+    model: Model,
+    unfolding: Model,
+    all_: Sequence[Triple],
+    steps: dict[str, MethodStep],
+    problem: Problem | None,
+) -> PddlTask:
+    """The task of all transitions, `steps` of methods among them."""
     program = unfolding.program
     names = _names(program)
     kept = axioms(model, unfolding, names)
-    all_, steps = _with_methods(model, triples)
     transitions, costs = charged(unfolding, normal_forms(model, all_), problem)
     made = actions(model, transitions, names, costs, steps)
     if not made:  # nothing to charge for

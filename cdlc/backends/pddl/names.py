@@ -52,7 +52,9 @@ class Names:
 
     def changed(self) -> list[tuple[str, str]]:
         """Pairs of CDL name and PDDL name that differ, in order of their appearance."""
-        return [(name, pddl) for (_, name), pddl in self._by_origin.items() if name != pddl]
+        # Names that CDL cannot write are ours.
+        pairs = ((name, pddl) for (_, name), pddl in self._by_origin.items())
+        return [(name, pddl) for name, pddl in pairs if name != pddl and "'" not in name]
 
 
 def variable_name(name: str, taken: Iterable[str]) -> str:

@@ -62,11 +62,13 @@ def to_step(
     if len(arguments) != len(found.parameters):
         wanted = len(found.parameters)
         raise PlanFormatError(f"`{action}` takes {wanted} arguments, not {len(arguments)}", line)
+    first, *others = found.sources
+    used = {c.parameter for source in found.sources for c in source.variables}
     values = {
         parameter.name: _object(task, world, name, parameter.type, line)
         for parameter, name in zip(found.parameters, arguments, strict=True)
+        if parameter.name in used  # others only hold what is read
     }
-    first, *others = found.sources
     return _transition(world, first, values, tuple(o.behavior for o in others), line)
 
 

@@ -52,6 +52,8 @@ def initial_facts(problem: Problem, domain: Domain) -> Iterator[SExpr]:
     for feature in domain.features:
         if is_number(feature.type) or is_object(feature.type):
             for where in world.cells(feature):
+                if is_object(feature.type) and (feature.name, where) not in problem.initial.cells:
+                    continue  # a table without an entry: what is unset has been reported
                 yield _fact(feature, where, problem.initial, names)
         else:
             for where in sorted(true.get(feature.name, ()), key=lambda c: [order[a] for a in c]):
