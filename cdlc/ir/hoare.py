@@ -13,8 +13,10 @@ from itertools import permutations
 from cdlc.ir.behaviors import body_of
 from cdlc.ir.bounds import within_bounds
 from cdlc.ir.graph import in_order
-from cdlc.ir.pool import Level, Pool
-from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables, leaving
+from cdlc.ir.nodes import Level
+from cdlc.ir.pool import Pool
+from cdlc.ir.symbolic import Executor, Variables, leaving
+from cdlc.ir.updates import Conflict, Layer, NotModelled, Update
 from crow.program import (
     Achieve,
     And,

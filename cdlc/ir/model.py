@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from cdlc.diagnostics import Collector
 from cdlc.ir.errors import NoHoareModel
 from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.updates import NotModelled
 from crow.program import Location
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from cdlc.ir.graph import in_order, parts
 from cdlc.ir.hoare import Triple
 from cdlc.ir.names import shown_name
-from cdlc.ir.symbolic import NotModelled, Update
+from cdlc.ir.updates import NotModelled, Update
 from crow.program import (
     And,
     Apply,

@@ -10,8 +10,8 @@ from cdlc.diagnostics import Collector
 from cdlc.ir.graph import size
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.model import triples as triples_of
-from cdlc.ir.symbolic import NotModelled
 from cdlc.ir.text import hoare_text, sexpr
+from cdlc.ir.updates import NotModelled
 from crow.program import Expression
 
 DECLARATIONS = """

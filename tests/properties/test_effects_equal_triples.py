@@ -8,8 +8,10 @@ from hypothesis import HealthCheck, event, given, settings
 from hypothesis import strategies as st
 from properties.effects import FEATURES, PARAMETERS, blocks, program
 
-from cdlc.ir.pool import Level, Pool
-from cdlc.ir.symbolic import Executor, Layer, NotModelled, Update
+from cdlc.ir.nodes import Level
+from cdlc.ir.pool import Pool
+from cdlc.ir.symbolic import Executor
+from cdlc.ir.updates import Layer, NotModelled, Update
 from crow.evaluate import EvaluationError, assignments_of, evaluate, execute
 from crow.problem import State, World
 from crow.program import BOOL, Hierarchy, Parameter, Statement, Variable

@@ -19,7 +19,7 @@ from cdlc.backends.pddl.conditions import (
 from cdlc.backends.pddl.names import Names, legal_name, variable_name
 from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.updates import NotModelled
 from crow.problem import Problem
 from crow.program import (
     Behavior,

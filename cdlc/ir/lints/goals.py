@@ -6,7 +6,7 @@ from cdlc.ir.errors import GoalNotEstablished
 from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model, Triple
 from cdlc.ir.lints.subject import Subject
-from cdlc.ir.symbolic import NotModelled, Update
+from cdlc.ir.updates import NotModelled, Update
 from crow.program import (
     Achieve,
     Apply,
