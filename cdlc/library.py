@@ -10,7 +10,7 @@ from crow.program import ProblemStatement, Program
 
 if TYPE_CHECKING:
     from cdlc.backends.pddl import PddlTask
-    from cdlc.ir.hoare import Triple
+    from crow.program.triples import Triple
 
 Path = str | PathLike[str]
 

@@ -82,6 +82,7 @@ THIRD_PARTY: Mapping[str, tuple[str, ...]] = {
     "lark": ("cdlc.frontend",),
     "pygments": ("cdlc.editors",),
     "psutil": ("cdlc.backends.engines",),
+    "sympy": ("cdlc.ir.algebra",),
     "unified_planning": ("cdlc.backends.engines.solver",),
     "z3": ("cdlc.verify.smt",),
 }

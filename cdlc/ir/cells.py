@@ -9,8 +9,9 @@ assignment, in which a later write wins where two meet in a cell.
 from dataclasses import replace
 
 from cdlc.ir.pool import Pool
-from cdlc.ir.updates import Conflict, Layer, NotModelled, Update, cell_of, written
+from cdlc.ir.updates import Layer, NotModelled, cell_of, merged, written
 from crow.program import Expression, Feature, Location, Parameter, Program, Variable
+from crow.program.triples import Conflict, Update
 from crow.program.types import is_boolean
 
 
@@ -64,6 +65,23 @@ class Cells:
             true = pool.quantified("exists", open_, pool.conjunction((met, value)))
             return pool.choice(pool.quantified("exists", open_, met), true, before)
         raise NotModelled("a read of what a `foreach` writes to computed cells", write.location)
+
+    def behind(
+        self, feature: str, arguments: tuple[Expression, ...], layer: Layer
+    ) -> tuple[Location, ...]:
+        """The statements whose writes a cell may hold."""
+        found: tuple[Location, ...] = ()
+        for write in layer.all_writes():
+            if write.feature == feature and not self._is_apart(write, arguments):
+                found = merged(found, write.sources)
+        return found
+
+    def _is_apart(self, write: Update, arguments: tuple[Expression, ...]) -> bool:
+        """Whether a write of one cell can never be to the other."""
+        pairs = zip(write.arguments, arguments, strict=True)
+        return not write.variables and any(
+            self.pool.equal(a, b) is self.pool.false for a, b in pairs
+        )
 
     def meets(self, write: Update, arguments: tuple[Expression, ...]) -> Expression:
         """When a write reaches a cell."""
@@ -140,25 +158,32 @@ class Cells:
             layer = otherwise if one is None else then
             guards = (pool.false, write.guard) if one is None else (write.guard, pool.false)
             guard = pool.choice(condition, *guards)
-            return replace(write, guard=guard, value=self._settled(write, layer))
+            return replace(self._settled(write, layer), guard=guard)
         is_plain = then.under is None and not write.variables
         if is_plain and not one.guard is other.guard is pool.true:
             # A cell written conditionally again and again: its guard would grow with each time.
-            ends = [self.read(write.feature, write.arguments, end) for end in (then, otherwise)]
-            return replace(write, guard=pool.true, value=pool.choice(condition, *ends))
-        values = self._settled(one, then), self._settled(other, otherwise)
+            values = [self.read(write.feature, write.arguments, end) for end in (then, otherwise)]
+            value = pool.choice(condition, *values)
+            sources = merged(one.sources, other.sources)
+            return replace(write, guard=pool.true, value=value, sources=sources)
+        ends = [self._settled(one, then), self._settled(other, otherwise)]
         guard = pool.choice(condition, one.guard, other.guard)
-        return replace(write, guard=guard, value=pool.choice(condition, *values))
+        value = pool.choice(condition, *(end.value for end in ends))
+        return replace(
+            write, guard=guard, value=value, sources=merged(*(end.sources for end in ends))
+        )
 
-    def _settled(self, write: Update, layer: Layer) -> Expression:
-        """The value of a written cell at the end of a branch."""
-        value, is_later = write.value, False
+    def _settled(self, write: Update, layer: Layer) -> Update:
+        """A write with the value of its cell at the end of a branch."""
+        value, sources, is_later = write.value, write.sources, False
         for other in layer.writes.values():
             if other is write:
                 is_later = True
             elif is_later and other.feature == write.feature:
-                value = self._overwritten(value, other, write.arguments)
-        return value
+                after = self._overwritten(value, other, write.arguments)
+                if after is not value:
+                    value, sources = after, merged(sources, other.sources)
+        return replace(write, value=value, sources=sources)
 
     # -------------------------------------------------------------------------------------- loops
 
@@ -179,9 +204,11 @@ class Cells:
         earlier = layer.writes.get(cell)
         if earlier is not None:
             pool = self.pool
-            value = pool.choice(write.guard, write.value, self._settled(earlier, layer))
+            before = self._settled(earlier, layer)
+            value = pool.choice(write.guard, write.value, before.value)
             guard = pool.disjunction((write.guard, earlier.guard))
-            write = replace(write, guard=guard, value=value)
+            sources = merged(write.sources, before.sources)
+            write = replace(write, guard=guard, value=value, sources=sources)
         return written(layer, write)
 
     def find_conflicts(self, writes: list[Update], opened: tuple[Expression, ...]) -> None:

@@ -36,6 +36,11 @@ _FLIPPED: Final[Mapping[str, ComparisonOperator]] = {
 }
 
 
+# A comparison is split into the branches of choices within choices up to this depth: without a
+# limit, a loop that compares what it writes would take time quadratic in its iterations.
+MOST_SPLITS: Final = 8
+
+
 class Formulas(Nodes):
     """Connectives, comparisons and arithmetic over interned expressions.
 
@@ -170,13 +175,19 @@ class Formulas(Nodes):
         self, operator: ComparisonOperator, left: Expression, right: Expression
     ) -> Expression | None:
         """A comparison with a choice, where one branch decides it: a choice of two conditions."""
-        for one, other, order in ((left, right, 1), (right, left, -1)):
-            if isinstance(one, Conditional):
-                cases = [(case, other)[::order] for case in (one.then, one.otherwise)]
-                if any(self._decided(operator, *case) is not None for case in cases):
-                    then, otherwise = (self.compare(operator, *case) for case in cases)
-                    return self.choice(one.condition, then, otherwise)
-        return None
+        if self._splits == MOST_SPLITS:
+            return None
+        self._splits += 1
+        try:
+            for one, other, order in ((left, right, 1), (right, left, -1)):
+                if isinstance(one, Conditional):
+                    cases = [(case, other)[::order] for case in (one.then, one.otherwise)]
+                    if any(self._decided(operator, *case) is not None for case in cases):
+                        then, otherwise = (self.compare(operator, *case) for case in cases)
+                        return self.choice(one.condition, then, otherwise)
+            return None
+        finally:
+            self._splits -= 1
 
     def _decided(
         self, operator: ComparisonOperator, left: Expression, right: Expression

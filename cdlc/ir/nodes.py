@@ -44,6 +44,7 @@ class Nodes:
     _free: dict[int, frozenset[str]] = field(default_factory=dict)
     _heights: dict[int, int] = field(default_factory=dict)
     _fresh: int = 0
+    _splits: int = 0
 
     def __post_init__(self) -> None:
         self.true = self.constant(True, BOOL)  # noqa: FBT003 - a value

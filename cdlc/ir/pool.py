@@ -93,7 +93,7 @@ class Pool(Formulas):
                 case Quantified():
                     made = self._rebuild_quantified(part, values, rule)
                 case _:
-                    made = self._again(part, done)
+                    made = self.again(part, done)
                     made = made if rule is None else rule(made)
             done[id(part)] = made
         return done[id(node)]
@@ -146,7 +146,9 @@ class Pool(Formulas):
         key = (node.quantifier, *((p.name, p.type) for p in node.variables), id(body))
         return self._intern(key, lambda: Quantified(node.quantifier, node.variables, body))
 
-    def _again(self, node: Expression, done: Mapping[int, Expression]) -> Expression:
+    def again(self, node: Expression, done: Mapping[int, Expression]) -> Expression:
+        """An expression but for quantifiers, from what stands for its parts."""
+
         def new(part: Expression) -> Expression:
             return done[id(part)]
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from cdlc.ir.cells import Cells
 from cdlc.ir.pool import Pool
-from cdlc.ir.updates import Layer, NotModelled, Update, written
+from cdlc.ir.updates import Layer, NotModelled, merged, written
 from crow.program import (
     And,
     Apply,
@@ -25,6 +25,7 @@ from crow.program import (
     Function,
     If,
     Let,
+    Location,
     Negative,
     Not,
     Object,
@@ -39,7 +40,9 @@ from crow.program import (
     Vector,
     Xor,
 )
+from crow.program.triples import Update
 from crow.program.types import INT64
+from crow.program.walk import subexpressions
 
 Variables = Mapping[str, Expression]
 
@@ -218,8 +221,19 @@ class Executor(Cells):
             operator = node.operator[0]
             assert operator in ("+", "-", "*", "/")
             value = self.pool.arithmetic(operator, before, value, type_, node.location)  # type: ignore[arg-type]
-        write = Update(node.feature, arguments, value, self.pool.true, (), node.location)
+        sources = self._sources(node, arguments, path.layer)
+        write = Update(node.feature, arguments, value, self.pool.true, (), node.location, sources)
         return written(path.layer, write)
+
+    def _sources(
+        self, node: Assign, arguments: tuple[Expression, ...], layer: Layer
+    ) -> tuple[Location, ...]:
+        """The statement, and those before it whose writes it changes."""
+        own = () if node.location is None else (node.location,)
+        reads = (e for e in subexpressions(node.value) if isinstance(e, Read))
+        if node.operator == "=" and not any(read.feature == node.feature for read in reads):
+            return own
+        return merged(own, self.behind(node.feature, arguments, layer))
 
     # ----------------------------------------------------------------------------------- branches
 

@@ -3,7 +3,11 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from crow.program import Expression, Location
+from crow.program import Location
+from crow.program.triples import Update
+
+# More than these statements behind one formula are not told apart.
+MAX_SOURCES = 16
 
 
 class NotModelled(Exception):  # noqa: N818 - not an error of the program
@@ -13,35 +17,6 @@ class NotModelled(Exception):  # noqa: N818 - not an error of the program
         super().__init__(construct)
         self.construct = construct
         self.location = location
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Update:
-    """`feature[arguments] := value` where `guard` holds, for all `variables`.
-
-    Everything reads the state before. `variables` are fresh ones of the pool.
-    """
-
-    feature: str
-    arguments: tuple[Expression, ...]
-    value: Expression
-    guard: Expression
-    variables: tuple[Expression, ...] = ()
-    location: Location | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Conflict:
-    """Two iterations of a `foreach` that may write one cell: when, and where both stand.
-
-    `condition` is over the state before and over the variables of both iterations, `variables`;
-    where it holds, the values differ.
-    """
-
-    condition: Expression
-    variables: tuple[Expression, ...]
-    first: Update
-    second: Update
 
 
 Cell = tuple[str, tuple[int, ...], int]
@@ -72,3 +47,12 @@ def written(layer: Layer, write: Update, number: int = 0) -> Layer:
     cell = cell_of(write, number)
     others = {c: w for c, w in layer.writes.items() if c != cell}
     return Layer(layer.under, {**others, cell: write})
+
+
+def merged(*sources: tuple[Location, ...]) -> tuple[Location, ...]:
+    """Places in source order, each once; of very many one more than MAX_SOURCES."""
+    first, *rest = sources
+    if all(other == first or not other for other in rest):
+        return first
+    together = sorted({place for places in sources for place in places})
+    return tuple(together[: MAX_SOURCES + 1])

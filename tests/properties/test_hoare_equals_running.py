@@ -9,11 +9,12 @@ from programs import program_of
 
 from cdlc.backends.pddl import to_pddl
 from cdlc.diagnostics import Collector
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.updates import NotModelled
 from crow.evaluate import assignments_of, evaluate
 from crow.problem import Problem, State, World
 from crow.program import BOOL, Constant, Parameter
+from crow.program.triples import Triple
 from crow.program.types import ObjectType
 from crow.transition import Transition, apply
 

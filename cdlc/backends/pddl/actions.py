@@ -19,11 +19,11 @@ from cdlc.backends.pddl.conditions import (
     typed,
 )
 from cdlc.backends.pddl.names import Names, variable_name
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.pool import Pool
 from cdlc.ir.symbolic import Executor
-from cdlc.ir.updates import Update
 from crow.program import BOOL, And, Expression, Parameter, Program, Read, Type, Variable
+from crow.program.triples import Triple, Update
 from crow.program.types import is_object
 
 

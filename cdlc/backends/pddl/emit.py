@@ -18,7 +18,7 @@ from cdlc.backends.pddl.conditions import (
 )
 from cdlc.backends.pddl.names import Names, legal_name, variable_name
 from cdlc.diagnostics import Collector
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.updates import NotModelled
 from crow.problem import Problem
 from crow.program import (
@@ -29,6 +29,7 @@ from crow.program import (
     ObjectType,
     Program,
 )
+from crow.program.triples import Triple
 from crow.program.types import is_boolean
 from crow.program.walk import statements_within
 
