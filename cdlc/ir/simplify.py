@@ -195,22 +195,26 @@ class _Simplifier:
             self.simplify(branch, self._assume(facts, condition, value), is_inside=True)
             for branch, value in ((node.then, True), (node.otherwise, False))
         ]
-        return self._folded(condition, branches[0], branches[1])
+        return self._folded(condition, branches[0], branches[1], facts)
 
-    def _folded(self, condition: Expression, then: Expression, otherwise: Expression) -> Expression:
+    def _folded(
+        self, condition: Expression, then: Expression, otherwise: Expression, facts: _Facts
+    ) -> Expression:
         """A choice; one within it that ends in the same value is joined with it."""
         pool = self.pool
         match then, otherwise:
             case _, Conditional(condition=inner, then=same, otherwise=rest) if same is then:
-                return pool.choice(pool.disjunction((condition, inner)), then, rest)
+                joined = pool.disjunction((condition, inner))
+                return pool.choice(self._minimal(joined, facts), then, rest)
             case _, Conditional(condition=inner, then=rest, otherwise=same) if same is then:
-                either = pool.disjunction((condition, pool.negation(inner)))
-                return pool.choice(either, then, rest)
+                joined = pool.disjunction((condition, pool.negation(inner)))
+                return pool.choice(self._minimal(joined, facts), then, rest)
             case Conditional(condition=inner, then=rest, otherwise=same), _ if same is otherwise:
-                return pool.choice(pool.conjunction((condition, inner)), rest, otherwise)
+                joined = pool.conjunction((condition, inner))
+                return pool.choice(self._minimal(joined, facts), rest, otherwise)
             case Conditional(condition=inner, then=same, otherwise=rest), _ if same is otherwise:
-                both = pool.conjunction((condition, pool.negation(inner)))
-                return pool.choice(both, rest, otherwise)
+                joined = pool.conjunction((condition, pool.negation(inner)))
+                return pool.choice(self._minimal(joined, facts), rest, otherwise)
             case _:
                 return pool.choice(condition, then, otherwise)
 
@@ -235,15 +239,13 @@ class _Simplifier:
     ) -> Expression:
         """A sum or product, within the branches of a choice where one side is one."""
         for side, other in ((left, right), (right, left)):
-            is_lifted = isinstance(side, Conditional) and not isinstance(other, Conditional)
-            if is_lifted and depth < MAX_LIFTED and isinstance(side, Conditional):
-                branches = [
-                    self._sum(
-                        operator, *((b, right) if side is left else (left, b)), node, depth + 1
-                    )
-                    for b in (side.then, side.otherwise)
-                ]
-                return self._folded(side.condition, branches[0], branches[1])
+            if isinstance(side, Conditional) and not isinstance(other, Conditional):
+                if depth == MAX_LIFTED:
+                    break
+                ends = side.then, side.otherwise
+                sides = [(end, other) if side is left else (other, end) for end in ends]
+                then, otherwise = (self._sum(operator, *both, node, depth + 1) for both in sides)
+                return self._folded(side.condition, then, otherwise, _Facts())
         again = self.pool.arithmetic(operator, left, right, node.type, node.location)  # type: ignore[arg-type]
         return self.sums.expression(again)
 

@@ -91,11 +91,28 @@ def definitions() -> dict[str, Any]:
             "minItems": 5,
         },
         **{
-            name: {"anyOf": [_reference(member) for member in get_args(family)]}
+            name: _choice({m.__name__: _reference(m) for m in get_args(family)})
             for name, family in _FAMILIES.items()
         },
         **nodes,
         **_model(),
+    }
+
+
+def _choice(schemas: dict[str, Any]) -> dict[str, Any]:
+    """One of several node classes, told apart by `node` before anything else is looked at.
+
+    With `anyOf`, a validator would try each class on every node and all nodes below it, which takes
+    time exponential in their depth.
+    """
+    return {
+        "type": "object",
+        "required": ["node"],
+        "properties": {"node": {"enum": list(schemas)}},
+        "allOf": [
+            {"if": {"properties": {"node": {"const": name}}}, "then": schema}
+            for name, schema in schemas.items()
+        ],
     }
 
 
@@ -152,14 +169,14 @@ def _model() -> dict[str, Any]:
     """`Model`, its parts and the nodes of its table, in which an expression is its place."""
     nodes = {"type": "array", "items": {"$ref": "#/$defs/ModelNode"}}
     ordered = sorted(EXPRESSIONS, key=lambda cls: cls.__name__)
-    choices = [_model_part(cls, {"node": {"const": cls.__name__}}) for cls in ordered]
+    choices = {c.__name__: _model_part(c, {"node": {"const": c.__name__}}) for c in ordered}
     return {
         "Place": {
             "description": "The place of a node in the table, from 0; parts stand before wholes.",
             "type": "integer",
             "minimum": 0,
         },
-        "ModelNode": {"anyOf": choices},
+        "ModelNode": _choice(choices),
         "Model": _model_part(HoareModel, {"nodes": nodes}),
         **{f"Model{cls.__name__}": _model_part(cls, {}) for cls in PARTS if cls is not HoareModel},
     }
