@@ -81,9 +81,14 @@ class Compilation:
         return checked
 
     @property
+    def domain(self) -> CheckedDomain:
+        """The checked domain, with its names."""
+        return _domain_of(self.checked)
+
+    @property
     def program(self) -> Program:
         """The typed program of the domain."""
-        return _domain_of(self.checked).program
+        return self.domain.program
 
     @property
     def statement(self) -> ProblemStatement | None:

@@ -10,9 +10,26 @@ from dataclasses import replace
 
 from cdlc.ir.pool import Pool
 from cdlc.ir.updates import Layer, NotModelled, cell_of, merged, written
-from crow.program import Expression, Feature, Location, Parameter, Program, Variable
+from crow.program import (
+    FLOAT32,
+    Conditional,
+    Constant,
+    Expression,
+    Feature,
+    ListType,
+    Location,
+    Negative,
+    Parameter,
+    Program,
+    Read,
+    Type,
+    Variable,
+    Vector,
+    VectorType,
+)
 from crow.program.triples import Conflict, Update
-from crow.program.types import is_boolean
+from crow.program.types import is_boolean, underlying
+from crow.values import ValueRangeError, stored
 
 
 class Cells:
@@ -48,8 +65,11 @@ class Cells:
         pool = self.pool
         if not write.variables:
             pairs = zip(write.arguments, arguments, strict=True)
-            same = [pool.equal(a, b) for a, b in pairs]
-            return pool.choice(pool.conjunction((*same, write.guard)), write.value, before)
+            met = pool.conjunction((*(pool.equal(a, b) for a, b in pairs), write.guard))
+            if met is not pool.false:
+                self._check_exact(write)
+            return pool.choice(met, write.value, before)
+        self._check_exact(write)
         match_, chosen = self._matching(write, arguments)
         guard = pool.substitute(write.guard, chosen)
         value = pool.substitute(write.value, chosen)
@@ -65,6 +85,13 @@ class Cells:
             true = pool.quantified("exists", open_, pool.conjunction((met, value)))
             return pool.choice(pool.quantified("exists", open_, met), true, before)
         raise NotModelled("a read of what a `foreach` writes to computed cells", write.location)
+
+    def _check_exact(self, write: Update) -> None:
+        """Raise NotModelled for a value that its cell does not hold as it is."""
+        type_ = self.features[write.feature].type
+        if _is_rounding(type_) and not _is_exact(write.value, type_):
+            construct = "a read of a `float32` after a write that may round"
+            raise NotModelled(construct, write.location)
 
     def behind(
         self, feature: str, arguments: tuple[Expression, ...], layer: Layer
@@ -256,3 +283,35 @@ class Cells:
         """Whether meeting in a cell makes all loop variables the same."""
         same = {id(m) for m in met}
         return bool(differ) and all(id(self.pool.negation(d)) in same for d in differ)
+
+
+def _is_rounding(type_: Type) -> bool:
+    match underlying(type_):
+        case VectorType(element=element) | ListType(element=element):
+            return _is_rounding(element)
+        case plain:
+            return plain == FLOAT32
+
+
+def _is_exact(value: Expression, type_: Type) -> bool:
+    """Whether a value stays as it is in a cell of a type that rounds."""
+    match value:
+        case Constant(value=bool() | int() | float() as number):
+            return _is_float32(number)
+        case Read(type=own):
+            return underlying(own) == underlying(type_)
+        case Conditional(then=then, otherwise=otherwise):
+            return _is_exact(then, type_) and _is_exact(otherwise, type_)
+        case Vector(elements=elements):
+            return all(_is_exact(element, FLOAT32) for element in elements)
+        case Negative(operand=operand):
+            return _is_exact(operand, type_)
+        case _:
+            return False
+
+
+def _is_float32(number: float) -> bool:
+    try:
+        return bool(stored(number, FLOAT32) == number)
+    except ValueRangeError:
+        return False

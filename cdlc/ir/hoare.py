@@ -9,10 +9,10 @@ one triple for each choice.
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import permutations
+from itertools import islice, permutations
 from typing import TYPE_CHECKING
 
-from cdlc.ir.behaviors import body_of
+from cdlc.ir.behaviors import body_of, touched
 from cdlc.ir.bounds import within_bounds
 from cdlc.ir.graph import in_order
 from cdlc.ir.nodes import Level
@@ -46,7 +46,7 @@ from crow.program import (
     Variable,
 )
 from crow.program.names import fresh_name
-from crow.program.triples import Triple
+from crow.program.triples import Triple, Update
 from crow.program.types import INT64
 
 if TYPE_CHECKING:
@@ -100,7 +100,8 @@ class Model:
     def _triples(self, behavior: Behavior) -> tuple[Triple, ...]:
         runs = [_Run(self, behavior)]
         for statement in body_of(behavior):
-            runs = [after for run in runs for after in run.statement(statement)]
+            after = (after for run in runs for after in run.statement(statement))
+            runs = list(islice(after, MAX_TRIPLES + 1))
             if len(runs) > MAX_TRIPLES:
                 construct = f"a body with more than {MAX_TRIPLES} choices"
                 raise NotModelled(construct, behavior.location)
@@ -119,17 +120,29 @@ class Model:
             construct = "an expression nested this deeply"
             raise NotModelled(construct, expression.location) from None
 
-    def weakest_precondition(self, condition: Expression, triple: Triple) -> Expression:
+    def weakest_precondition(
+        self, condition: Expression, triple: Triple, arguments: tuple[Expression, ...] = ()
+    ) -> Expression:
         """What must hold before a transition for a pooled condition to hold after it.
 
-        `pre` is not part of it: the transition can be applied only where that holds too.
+        The result is true in a state exactly if the condition is true in the state after. `pre` is
+        not part of it: the transition can be applied only where that holds too. Variables of the
+        condition that are parameters of the triple mean these, unless `arguments` are given, pooled
+        expressions that stand for them in order.
+        Raises NotModelled for a condition with an external function that reads what is written, and
+        for one that reads what a `foreach` writes to computed cells.
         """
         executor = Executor(self.program, self.pool)
-        layer = Layer(None, {("", (), i): update for i, update in enumerate(triple.post)})
+        names = [p.name for p in triple.parameters[: len(arguments)]]
+        given = dict(zip(names, arguments, strict=True))
+        updates = (self._instance(update, given) for update in triple.post)
+        layer = Layer(None, {("", (), i): update for i, update in enumerate(updates)})
 
         # `not f(x)` after `f[x] = not f(x)` is `f(x)`, which must not be taken for a read after: so
         # what is read after the transition is marked first, and replaced where it is marked.
         def marked(node: Expression) -> Expression:
+            if isinstance(node, Apply):
+                executor.check_call(node, layer)
             if not isinstance(node, Read):
                 return node
             return self.pool.apply(_AFTER + node.feature, node.arguments, node.type, node.location)
@@ -141,6 +154,16 @@ class Model:
             return executor.read(feature, node.arguments, layer, node.location)
 
         return self.pool.rebuild(self.pool.rebuild(condition, {}, marked), {}, after)
+
+    def _instance(self, update: Update, given: Variables) -> Update:
+        """An update with some parameters replaced."""
+        of = self.pool.substitute
+        return replace(
+            update,
+            arguments=tuple(of(argument, given) for argument in update.arguments),
+            value=of(update.value, given),
+            guard=of(update.guard, given),
+        )
 
 
 class _Run:
@@ -220,9 +243,11 @@ class _Run:
             yield from run.block(statements[1:])
 
     def _order_matters(self, body: tuple[Statement, ...]) -> bool:
-        """Whether a group runs two controllers of which one has an effect."""
-        calls = [s for s in body if not isinstance(s, Achieve | Assert)]
-        return len(calls) > 1
+        """Whether the effects of a group's statements may depend on their order."""
+        if all(isinstance(s, Achieve | Assert) for s in body):
+            return False
+        each = [touched(self.model.program, (statement,)) for statement in body]
+        return any(one.disturbs(other) for one, other in permutations(each, 2))
 
     def _plain(self, node: Statement) -> None:
         match node:

@@ -244,7 +244,7 @@ class _Simplifier:
                     break
                 ends = side.then, side.otherwise
                 sides = [(end, other) if side is left else (other, end) for end in ends]
-                then, otherwise = (self._sum(operator, *both, node, depth + 1) for both in sides)
+                then, otherwise = (self._sum(operator, a, b, node, depth + 1) for a, b in sides)
                 return self._folded(side.condition, then, otherwise, _Facts())
         again = self.pool.arithmetic(operator, left, right, node.type, node.location)  # type: ignore[arg-type]
         return self.sums.expression(again)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from cdlc.ir.behaviors import reads_of
 from cdlc.ir.cells import Cells
 from cdlc.ir.pool import Pool
 from cdlc.ir.updates import Layer, NotModelled, merged, written
@@ -132,10 +133,7 @@ class Executor(Cells):
         arguments = tuple(self.value(a, layer, variables) for a in node.arguments)
         function = self.functions[node.function]
         if function.body is None:
-            if _reads_state(function) and any(layer.all_writes()):
-                raise NotModelled(
-                    f"`{function.name}`, which reads the state, after a write", node.location
-                )
+            self.check_call(node, layer)
             return self.pool.apply(node.function, arguments, node.type, node.location)
         # Functions that call each other twice would else take time exponential in their number.
         key = (node.function, tuple(map(id, arguments)), layer)
@@ -144,6 +142,14 @@ class Executor(Cells):
             path = _Path(layer, dict(zip(names, arguments, strict=True)))
             self._returns[key] = self._returned(self._block(function.body, path))
         return self._returns[key]
+
+    def check_call(self, node: Apply, layer: Layer) -> None:
+        """Raise NotModelled for an external function called where what it reads is written."""
+        reads = reads_of(self.functions[node.function])
+        for write in layer.all_writes():
+            if not reads.isdisjoint((write.feature, "all")):
+                construct = f"`{node.function}`, which reads `{write.feature}`, after a write of it"
+                raise NotModelled(construct, node.location)
 
     def _returned(self, outcome: _Outcome) -> Expression:
         *earlier, last = outcome.exits
@@ -343,7 +349,3 @@ def leaving(statements: tuple[Statement, ...], outer: Variables, inner: Variable
     hidden = {s.variable.name for s in statements if isinstance(s, Let)}
     hidden |= {v.name for s in statements if isinstance(s, Bind) for v in s.variables}
     return {name: outer[name] if name in hidden else inner[name] for name in outer}
-
-
-def _reads_state(function: Function) -> bool:
-    return any(a.name == "reads" for a in function.annotations)
