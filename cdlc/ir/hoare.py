@@ -247,7 +247,14 @@ class _Run:
         if all(isinstance(s, Achieve | Assert) for s in body):
             return False
         each = [touched(self.model.program, (statement,)) for statement in body]
-        return any(one.disturbs(other) for one, other in permutations(each, 2))
+        if not any(one.disturbs(other) for one, other in permutations(each, 2)):
+            return False
+        for statement in body:
+            if isinstance(statement, Let | SetLocal | Bind):
+                # In some orders, others would use its variable before it has a value.
+                construct = f"{_construct(statement)} in an `unordered` group that acts"
+                raise NotModelled(construct, statement.location)
+        return True
 
     def _plain(self, node: Statement) -> None:
         match node:
@@ -395,5 +402,5 @@ def _place(node: Statement) -> tuple[Location, ...]:
 
 def _construct(statement: Statement) -> str:
     """A statement in words."""
-    names = {"Do": "a controller call", "Call": "a behavior call", "Bind": "`bind`"}
+    names = {"Do": "a controller call", "Call": "a behavior call", "SetLocal": "an assignment"}
     return names.get(type(statement).__name__, f"`{type(statement).__name__.lower()}`")

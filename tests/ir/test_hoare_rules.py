@@ -296,6 +296,19 @@ def test_orders_that_make_no_difference_are_one_triple() -> None:
     assert len(needs("unordered:\n  do make(x)\n  do go(y)\n  do copy(x, y)")) == 6
 
 
+@pytest.mark.parametrize(
+    ("statement", "construct"),
+    [("let k = p(y)", "`let`"), ("bind k: T where: p(k)", "`bind`")],
+)
+def test_variables_in_a_group_whose_order_matters_are_refused(
+    statement: str, construct: str
+) -> None:
+    """In some orders they would be used before they have a value."""
+    use = "do make(k)" if "bind" in statement else "do go(x)"
+    with pytest.raises(NotModelled, match=f"{construct} in an `unordered` group that acts"):
+        needs(f"unordered:\n  do make(x)\n  {statement}\n  {use}")
+
+
 @pytest.mark.parametrize(("count", "is_modelled"), [(6, True), (7, False)])
 def test_more_choices_than_the_limit_are_refused(count: int, is_modelled: bool) -> None:
     body = "\n".join(["alternative:\n  assert p(x)\n  assert q(y)"] * count)
