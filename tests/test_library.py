@@ -50,5 +50,5 @@ def test_wrong_names_and_conditions_are_said() -> None:
     with pytest.raises(KeyError, match="r_onn"):
         compiled.weakest_precondition("r_onn", "on(x, y)")
     for text in ("on(x)", "on(x, unknown)", "on(x, y", "", "x"):
-        with pytest.raises(ValueError, match="^`"):
+        with pytest.raises(ValueError, match=r"^`"):
             compiled.weakest_precondition("r_on", text)

@@ -298,7 +298,8 @@ def _is_exact(value: Expression, type_: Type) -> bool:
     match value:
         case Constant(value=bool() | int() | float() as number):
             return _is_float32(number)
-        case Read(type=own):
+        case Read(type=own) | Variable(type=own):
+            # A parameter of that type is what a generator or an earlier cell has given.
             return underlying(own) == underlying(type_)
         case Conditional(then=then, otherwise=otherwise):
             return _is_exact(then, type_) and _is_exact(otherwise, type_)

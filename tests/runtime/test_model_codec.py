@@ -11,7 +11,7 @@ from programs import program_of
 
 from cdlc.ir.hoare import Model
 from cdlc.ir.model import carried
-from crow.program import ProgramFormatError
+from crow.program.codec import ProgramFormatError
 from crow.program.model_codec import decode_model, decode_model_part, encode_model
 from crow.program.triples import HoareModel
 
