@@ -46,13 +46,15 @@ MAX_MINIMISED: Final = 40
 MAX_CONDITIONS: Final = 6
 # All formulas of a program together; beyond, they stay as they are.
 MAX_WORK: Final = 400_000
+MAX_ALL_MINIMISED: Final = 400
 
 
 @dataclass(slots=True)
 class Work:
-    """How much may still be simplified."""
+    """How many parts may still be simplified, and how many conditions minimised."""
 
     left: int = MAX_WORK
+    minimisations: int = MAX_ALL_MINIMISED
 
 
 def simplified(triple: Triple, pool: Pool, work: Work) -> Triple:
@@ -84,8 +86,8 @@ def simplest(formula: Expression, pool: Pool, work: Work) -> Expression | None:
         return None
     work.left -= size
     try:
-        made = _Simplifier(pool).simplify(formula, _Facts())
-    except TooLarge:
+        made = _Simplifier(pool, work).simplify(formula, _Facts())
+    except (TooLarge, RecursionError):  # the stack of the caller may be nearly full
         return None
     return pool.rebuild(made, {}, _plainly(pool)) if written_size(made) <= MAX_PARTS else None
 
@@ -144,8 +146,9 @@ class _Facts:
 class _Simplifier:
     """Simplifies one formula."""
 
-    def __init__(self, pool: Pool) -> None:
+    def __init__(self, pool: Pool, work: Work) -> None:
         self.pool = pool
+        self.work = work
         self.sums = Sums(pool)
         self.bounds: dict[int, Bound] = {}
         self.minimised = 0
@@ -309,9 +312,10 @@ class _Simplifier:
         conditions = _conditions(node)
         if not 2 <= len(conditions) <= MAX_CONDITIONS or any(map(_may_fail, conditions)):
             return node
-        if self.minimised == MAX_MINIMISED:
+        if self.minimised == MAX_MINIMISED or not self.work.minimisations:
             raise TooLarge
         self.minimised += 1
+        self.work.minimisations -= 1
         true, free = [], []
         for row in product((0, 1), repeat=len(conditions)):
             values = {id(c): bool(value) for c, value in zip(conditions, row, strict=True)}

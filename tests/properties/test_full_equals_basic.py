@@ -144,3 +144,13 @@ def test_a_part_without_value_is_not_evaluated_earlier() -> None:
     either = Or((guarded, And((FLAGS[1], guarded))))
     formula = And((Compare("!=", total, Constant(0, INT64)), either))
     assert check_same(formula, [State({("total", ()): number}) for number in (0, 2, 6)])
+
+
+def test_minimising_is_bounded_for_all_formulas_together() -> None:
+    pool = Pool(Hierarchy.of(PROGRAM.types), Level.FULL)
+    variables = {p.name: pool.variable(p.name, p.type) for p in PARAMETERS}
+    either = Or((And((FLAGS[0], FLAGS[1])), And((FLAGS[0], Not(FLAGS[1])))))
+    basic = Executor(PROGRAM, pool).value(either, Layer(), variables)
+    work = Work(minimisations=2)
+    found = [simplest(basic, pool, work) for _ in range(3)]
+    assert found == [FLAGS[0], FLAGS[0], None]
