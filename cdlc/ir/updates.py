@@ -51,6 +51,8 @@ def written(layer: Layer, write: Update, number: int = 0) -> Layer:
 
 def merged(*sources: tuple[Location, ...]) -> tuple[Location, ...]:
     """Places in source order, each once; of very many one more than MAX_SOURCES."""
+    if not sources:
+        return ()
     first, *rest = sources
     if all(other == first or not other for other in rest):
         return first
