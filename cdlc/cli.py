@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from cdlc import driver, render
 from cdlc.diagnostics import Collector, Severity
+from cdlc.ir.nodes import Level
 
 if TYPE_CHECKING:
     from cdlc.source import SourceFile
@@ -128,6 +129,16 @@ def _check_arguments(command: argparse.ArgumentParser) -> None:
 def _compile_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("files", nargs="+", metavar="FILE", help="DOMAIN [PROBLEM]")
     command.add_argument("--emit", required=True, choices=("pddl", "ir", "hoare"))
+    command.add_argument(
+        "--simplify",
+        choices=("none", "basic", "full"),
+        default="basic",
+        help="how far formulas are simplified; default: %(default)s",
+    )
+    _format(command)
+    command.add_argument(
+        "--explain", action="store_true", help="with --emit hoare: the statements behind each part"
+    )
     command.add_argument("-o", dest="output", type=Path, metavar="DIR", help="write files there")
     _emission(command)
     command.add_argument(
@@ -230,11 +241,17 @@ def compile_(options: argparse.Namespace) -> int:
     """`cdlc compile`: a domain, and a problem if given, in another form."""
     if len(options.files) > 2:
         return _usage("compile takes DOMAIN [PROBLEM]")
+    is_json = options.format == "json"
+    if is_json and options.emit == "pddl":
+        return _usage("PDDL is text; --format json is for --emit hoare")
+    if options.explain and (is_json or options.emit != "hoare"):
+        return _usage("--explain is for --emit hoare as text; its JSON always says where from")
     compilation = driver.compilation(options.files)
     compilation.axioms = options.derived == "axioms"
     compilation.enumerates = options.numeric == "enumerate"
-    if not _with_functions(options, compilation):
+    if options.emit == "pddl" and not _with_functions(options, compilation):
         return INPUT_ERRORS
+    compilation.level = Level(options.simplify)
     match options.emit:
         case "pddl":
             texts = {"domain.pddl": compilation.pddl.domain}
@@ -242,6 +259,10 @@ def compile_(options: argparse.Namespace) -> int:
                 texts["problem.pddl"] = compilation.pddl.problem
         case "ir":
             texts = {"program.json": compilation.ir_text}
+        case _ if is_json:
+            texts = {"model.json": compilation.hoare_json}
+        case _ if options.explain:
+            texts = {"model.txt": compilation.hoare_explanation}
         case _:
             texts = {"model.hoare": compilation.hoare_text}
     _warn(options, compilation)

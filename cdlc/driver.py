@@ -13,14 +13,16 @@ from cdlc.frontend.check import CheckedDomain, CheckedProblem, check_domain, che
 from cdlc.frontend.depth import MAX_DEPTH
 from cdlc.frontend.loader import EMPTY_DOMAIN, STANDARD_INPUT, Files, beside, title
 from cdlc.ir.lints import lint
+from cdlc.ir.nodes import Level
 from cdlc.source import SourceFile
 from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
     from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
-    from cdlc.ir.hoare import Model, Triple
+    from cdlc.ir.hoare import Model
     from crow.problem import Problem
+    from crow.program.triples import Triple
 
 
 class CompileError(Exception):
@@ -55,6 +57,7 @@ class Compilation:
     problem_file: str | None = None
     found: Collector = field(default_factory=Collector)
     read_standard_input: Callable[[], bytes] = read_standard_input
+    level: Level = Level.BASIC
     axioms: bool = False
     enumerates: bool = False
     functions: "Functions | None" = None
@@ -82,9 +85,14 @@ class Compilation:
         return checked
 
     @property
+    def domain(self) -> CheckedDomain:
+        """The checked domain, with its names."""
+        return _domain_of(self.checked)
+
+    @property
     def program(self) -> Program:
         """The typed program of the domain."""
-        return _domain_of(self.checked).program
+        return self.domain.program
 
     @property
     def statement(self) -> ProblemStatement | None:
@@ -121,7 +129,7 @@ class Compilation:
         """The formulas of the program."""
         from cdlc.ir.hoare import Model
 
-        return Model(self.tabulated)
+        return Model(self.tabulated, self.level)
 
     @cached_property
     def triples(self) -> "tuple[Triple, ...]":
@@ -156,19 +164,50 @@ class Compilation:
 
     @cached_property
     def ir_text(self) -> str:
-        """The typed program, and the problem if there is one, as JSON."""
+        """The typed program, the problem if there is one, and the Hoare model, as JSON."""
         import json
 
+        from cdlc.ir.model import carried
         from crow.program.codec import encode
+        from crow.program.model_codec import encode_model
 
-        return json.dumps(encode(self.program, self.statement), indent=1) + "\n"
+        document = encode(self.program, self.statement)
+        document["model"] = encode_model(carried(self.model))
+        return json.dumps(document, indent=1) + "\n"
 
     @cached_property
     def hoare_text(self) -> str:
         """The Hoare model in the style of Appendix D.5."""
         from cdlc.ir.text import hoare_text
 
-        return hoare_text(self.triples)
+        return hoare_text(self._writable_triples)
+
+    @cached_property
+    def hoare_explanation(self) -> str:
+        """The Hoare model as text, with the statements that each part of it comes from."""
+        from cdlc.ir.explanation import explanation
+
+        return explanation(self._writable_triples, self.sources)
+
+    @cached_property
+    def hoare_json(self) -> str:
+        """The Hoare model as JSON (schemas/hoare.json); its size is linear in the graph."""
+        import json
+
+        from crow.program.codec import VERSION
+        from crow.program.model_codec import encode_model
+        from crow.program.triples import HoareModel
+
+        model = HoareModel(str(self.level), self.triples)
+        return json.dumps({"version": VERSION, "model": encode_model(model)}, indent=1) + "\n"
+
+    @property
+    def _writable_triples(self) -> "tuple[Triple, ...]":
+        from cdlc.ir.model import writable
+
+        writable(self.triples, self.found)
+        self._stop_at_errors()
+        return self.triples
 
     @property
     def sources(self) -> Mapping[str, SourceFile]:

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from cdlc import driver
 from cdlc.diagnostics import Diagnostic
-from crow.program import ProblemStatement, Program
+from crow.program import Expression, ProblemStatement, Program
 
 if TYPE_CHECKING:
     from unified_planning.model import Problem as UpProblem
 
     from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
-    from cdlc.ir.hoare import Triple
+    from crow.program.triples import Triple
 
 Path = str | PathLike[str]
 
@@ -46,6 +46,28 @@ class Compiled:
         that has no Hoare model in this version.
         """
         return {triple.behavior: triple for triple in self._compilation.triples}[behavior]
+
+    def weakest_precondition(self, behavior: str, condition: str) -> Expression:
+        """What must hold before a behavior for a condition over its parameters to hold after it.
+
+        `condition` is CDL text. The behavior's own precondition is not part of the result; where
+        its body leaves a choice, the result is enough whichever way is taken. Raises KeyError for a
+        name that is no behavior with an effect, ValueError for text that is no condition, and
+        CompileError for a program that has no Hoare model in this version.
+        """
+        from cdlc.plans.traces import read_condition
+
+        compilation = self._compilation
+        triples = [t for t in compilation.triples if t.behavior == behavior]
+        if not triples:
+            raise KeyError(behavior)
+        model, found = compilation.model, []
+        for triple in triples:
+            types = {p.name: p.type for p in triple.parameters}
+            checked = read_condition(condition, types, compilation.domain)
+            formula = model.formula(checked, triple.parameters)
+            found.append(model.weakest_precondition(formula, triple))
+        return model.pool.conjunction(found)
 
     def pddl(self) -> "PddlTask":
         """The PDDL: `.domain` and, where there is a problem, `.problem` are texts.

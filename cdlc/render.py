@@ -51,6 +51,25 @@ def as_text(
     return "\n".join(painter.render(diagnostic) for diagnostic in diagnostics)
 
 
+def excerpts(
+    places: Iterable[Location],
+    sources: Mapping[str, SourceFile],
+    *,
+    color: bool = False,
+    width: int = WIDTH,
+) -> list[str]:
+    """Lines that show places in their sources, marked as in diagnostics, in the order given."""
+    painter = _Painter(sources, color, width)
+    shown = list(places)
+    margin = max((len(str(place.line)) for place in shown), default=0)
+    lines: list[str] = []
+    before = None
+    for place in shown:
+        lines += painter.excerpt(Label(place, ""), before, margin, "^", "place")
+        before = place
+    return lines
+
+
 def as_json(diagnostics: Iterable[Diagnostic]) -> dict[str, Any]:
     """The `check --format json` document (schemas/check.json)."""
     return {"version": 1, "diagnostics": [_diagnostic(d) for d in diagnostics]}
@@ -104,17 +123,17 @@ class _Painter:
         primary = Label(diagnostic.location, diagnostic.label())
         others = sorted(diagnostic.labels(), key=lambda label: label.location)
         margin = max(len(str(label.location.line)) for label in (primary, *others))
-        lines += self._excerpt(primary, None, margin, "^", severity)
+        lines += self.excerpt(primary, None, margin, "^", severity)
         before = primary.location
         for label in others:
-            lines += self._excerpt(label, before, margin, "-", "place")
+            lines += self.excerpt(label, before, margin, "-", "place")
             before = label.location
         lines += [f"{self._paint('note', 'bold')}: {printable(n)}" for n in diagnostic.notes()]
         for help_ in diagnostic.help():
             lines.append(f"{self._paint('help', 'help')}: {printable(help_.text)}")
         return "\n".join(lines) + "\n"
 
-    def _excerpt(
+    def excerpt(
         self, label: Label, before: Location | None, margin: int, mark: str, style: str
     ) -> list[str]:
         """The place of a label, leaving out what the excerpt `before` it has shown."""

@@ -111,6 +111,10 @@ def test_every_command_reports_wrong_files(
         ("frobnicate",),
         ("compile", str(DOMAIN)),
         ("compile", str(DOMAIN), "--emit", "cobol"),
+        ("compile", str(DOMAIN), "--emit", "hoare", "--simplify", "most"),
+        ("compile", str(DOMAIN), "--emit", "pddl", "--format", "json"),
+        ("compile", str(DOMAIN), "--emit", "pddl", "--explain"),
+        ("compile", str(DOMAIN), "--emit", "hoare", "--explain", "--format", "json"),
         ("plan", "a", "b", "c"),
         ("validate", str(SUSSMAN)),
         ("plan", str(SUSSMAN), "--time-limit", "-1"),
@@ -184,6 +188,57 @@ def test_compile_emits_hoare_and_ir() -> None:
     document = json.loads(cdlc("compile", DOMAIN, SUSSMAN, "--emit", "ir").out)
     assert document["version"] == 1
     assert document["problem"]["name"] == "sussman"
+
+
+LOOP = """
+typedef tank
+feature fuel(x: tank) -> int64
+behavior burn(x: tank):
+  eff:
+    for i in range(3000):
+      if fuel[x] > {bound}: fuel[x] -= 1
+{other}"""
+DOUBLING = LOOP.format(bound="i", other="")
+CHAIN = LOOP.format(bound="0", other="      else: break\n")
+
+
+@pytest.mark.parametrize("options", [(), ("--explain",), ("--simplify", "full")])
+def test_text_that_would_be_endless_is_refused(options: tuple[str, ...], tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    ran = cdlc("compile", "-", "--emit", "hoare", *options, "-o", folder, stdin=DOUBLING)
+    assert (ran.status, ran.out) == (1, "")
+    assert "error[formula-too-large]" in ran.err
+    assert "-:7:" in ran.err
+    assert "--format json" in ran.err
+    assert "Traceback" not in ran.err
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("options", [(), ("--explain",), ("--simplify", "full")])
+def test_deep_formulas_are_written(options: tuple[str, ...]) -> None:
+    """The paper's loop 3,000 times: its text is long, but not endless."""
+    ran = cdlc("compile", "-", "--emit", "hoare", *options, stdin=CHAIN)
+    assert (ran.status, ran.err) == (0, "")
+    assert "(> (fuel ?x) 2999)" in ran.out
+    assert ("too large for level full, left at basic" in ran.out) is ("full" in options)
+
+
+def test_json_has_no_limit_of_text(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    ran = cdlc("compile", "-", "--emit", "hoare", "--format", "json", "-o", folder, stdin=DOUBLING)
+    assert (ran.status, ran.out, ran.err) == (0, "", "")
+    (file,) = folder.iterdir()
+    assert file.name == "model.json"
+    assert len(json.loads(file.read_text())["model"]["nodes"]) < 13_000
+    program = json.loads(cdlc("compile", "-", "--emit", "ir", stdin=DOUBLING).out)
+    assert len(program["model"]["nodes"]) < 13_000
+
+
+def test_explanations_name_places() -> None:
+    ran = cdlc("compile", DOMAIN, "--emit", "hoare", "--explain")
+    assert (ran.status, ran.err) == (0, "")
+    assert f"--> {DOMAIN}:" in ran.out
+    assert "on[x, y] = True" in ran.out
 
 
 def test_what_has_no_pddl_is_refused_with_its_place() -> None:

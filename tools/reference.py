@@ -1,14 +1,19 @@
-"""Write the pages of docs/reference that are made from the code: `python tools/reference.py`."""
+"""Write the pages and schemas that are made from the code: `python tools/reference.py`."""
 
 import inspect
+import json
 import sys
 from pathlib import Path
+from typing import Any
 
 from cdlc import explain
 from cdlc.diagnostics import Diagnostic, Severity
 from cdlc.frontend.grammar import grammar_text
+from crow.program.schema import hoare_schema, schema
 
-FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "docs" / "reference"
+SCHEMAS = ROOT / "cdlc" / "schemas"
 MADE = "<!-- Made by tools/reference.py; change the code instead. -->"
 
 DIAGNOSTICS = """# Diagnostics
@@ -29,6 +34,11 @@ def pages() -> dict[str, str]:
     return {"diagnostics.md": _diagnostics(), "grammar.md": _grammar()}
 
 
+def schemas() -> dict[str, dict[str, Any]]:
+    """The schemas of what follows the classes of the program, by their file names."""
+    return {"ir.json": schema(), "hoare.json": hoare_schema()}
+
+
 def _diagnostics() -> str:
     parts = [MADE, DIAGNOSTICS]
     for severity in Severity:
@@ -45,9 +55,11 @@ def _grammar() -> str:
 
 
 def main() -> int:
-    """Write the pages."""
+    """Write the pages and schemas."""
     for name, text in pages().items():
         (FOLDER / name).write_text(text, encoding="utf-8")
+    for name, document in schemas().items():
+        (SCHEMAS / name).write_text(f"{json.dumps(document, indent=2)}\n", encoding="utf-8")
     return 0
 
 

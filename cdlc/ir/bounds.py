@@ -3,17 +3,20 @@
 from collections.abc import Iterable, Iterator, Mapping
 
 from cdlc.ir.pool import Pool
-from cdlc.ir.symbolic import Executor, Layer, Update
-from crow.program import Arithmetic, Constant, Expression, Feature, Read
+from cdlc.ir.symbolic import Executor
+from cdlc.ir.updates import Layer
+from crow.program import Arithmetic, Constant, Expression, Feature, Location, Read
+from crow.program.triples import Update
 from crow.program.types import INT64
 
 
 def within_bounds(
     executor: Executor, features: Mapping[str, Feature], layer: Layer
-) -> Iterator[Expression]:
+) -> Iterator[tuple[Expression, tuple[Location, ...]]]:
     """The conditions, over the state before, that a bounded cell that was written is in its range.
 
-    It is the value after the whole effect that counts, not what the cell held in between.
+    With each, the statements that wrote the cell. It is the value after the whole effect that
+    counts, not what the cell held in between.
     """
     pool = executor.pool
     writes = tuple(layer.writes.values())
@@ -30,7 +33,7 @@ def within_bounds(
         condition = pool.disjunction((pool.negation(update.guard), *overwritten, limits))
         if update.variables:
             condition = pool.quantified("forall", update.variables, condition)
-        yield condition
+        yield condition, update.sources
 
 
 def _meets(pool: Pool, later: Update, update: Update) -> Expression:

@@ -66,6 +66,31 @@ class NoHoareModel(Diagnostic):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class FormulaTooLarge(Diagnostic):
+    """A formula of the Hoare model that as text would be far larger than as a graph.
+
+        for i in range(100):
+          if fuel(x) > i: fuel[x] -= 1
+
+    Text repeats what formulas share: each iteration here doubles it. `compile --emit hoare --format
+    json` writes shared parts once and has no limit; `--emit pddl` needs text. Shorten the loop.
+    """
+
+    formula: str
+    behavior: str
+    limit: int
+
+    def message(self) -> str:
+        return f"{self.formula} has more than {self.limit:,} parts as text"
+
+    def label(self) -> str:
+        return f"in `{self.behavior}`"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("`--format json` writes the parts that repeat once"),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class UnmatchedAchieve(Lint):
     """Something to achieve that no behavior has as its goal.
 

@@ -58,3 +58,11 @@ def in_order(*roots: Expression, into_quantifiers: bool = True) -> Iterator[Expr
 def size(*roots: Expression) -> int:
     """The number of nodes of a graph."""
     return sum(1 for _ in in_order(*roots))
+
+
+def written_size(formula: Expression) -> int:
+    """How many nodes a formula has as text, every shared part counted where it stands."""
+    sizes: dict[int, int] = {}
+    for node in in_order(formula):
+        sizes[id(node)] = 1 + sum(sizes[id(part)] for part in parts(node))
+    return sizes[id(formula)]

@@ -8,13 +8,17 @@ one triple for each choice.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from itertools import permutations
+from functools import cached_property
+from itertools import islice, permutations
+from typing import TYPE_CHECKING
 
-from cdlc.ir.behaviors import body_of
+from cdlc.ir.behaviors import body_of, touched
 from cdlc.ir.bounds import within_bounds
 from cdlc.ir.graph import in_order
-from cdlc.ir.pool import Level, Pool
-from cdlc.ir.symbolic import Conflict, Executor, Layer, NotModelled, Update, Variables, leaving
+from cdlc.ir.nodes import Level
+from cdlc.ir.pool import Pool
+from cdlc.ir.symbolic import Executor, Variables, leaving
+from cdlc.ir.updates import Layer, NotModelled, merged
 from crow.program import (
     Achieve,
     And,
@@ -42,7 +46,11 @@ from crow.program import (
     Variable,
 )
 from crow.program.names import fresh_name
+from crow.program.triples import Triple, Update
 from crow.program.types import INT64
+
+if TYPE_CHECKING:
+    from cdlc.ir.simplify import Work
 
 MAX_TRIPLES = 64
 # Marks a read of the state after a transition; no name of CDL starts with it.
@@ -50,21 +58,11 @@ _AFTER = "after'"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Triple:
-    """A transition: `parameters` are the behavior's followed by its object binds.
+class _Demand:
+    """What a statement of a body demands of the state before."""
 
-    `pre` is a list of conjuncts. In `post`, everything reads the state before, and where two
-    updates meet in one cell the later one wins. `conflicts` are what a `foreach` may do wrong.
-    """
-
-    behavior: str
-    parameters: tuple[Parameter, ...]
-    goal: Expression | None
-    calls: tuple[Do, ...]
-    pre: tuple[Expression, ...]
-    post: tuple[Update, ...]
-    conflicts: tuple[Conflict, ...] = ()
-    location: Location | None = None
+    formula: Expression
+    sources: tuple[Location, ...]
 
 
 class Model:
@@ -78,12 +76,23 @@ class Model:
         self.pool = Pool(Hierarchy.of(program.types), level)
         self.behaviors = {b.name: b for b in program.behaviors}
 
+    @cached_property
+    def _work(self) -> "Work":
+        from cdlc.ir.simplify import Work
+
+        return Work()
+
     def triples(self, behavior: Behavior) -> tuple[Triple, ...]:
         """The triples of a behavior; none for a method, which has no effect of its own."""
         if behavior.effect is None:
             return ()
         try:
-            return self._triples(behavior)
+            found = self._triples(behavior)
+            if self.pool.level is not Level.FULL:
+                return found
+            from cdlc.ir.simplify import simplified
+
+            return tuple(simplified(triple, self.pool, self._work) for triple in found)
         except RecursionError:
             construct = "a condition or effect nested this deeply"
             raise NotModelled(construct, behavior.location) from None
@@ -91,7 +100,8 @@ class Model:
     def _triples(self, behavior: Behavior) -> tuple[Triple, ...]:
         runs = [_Run(self, behavior)]
         for statement in body_of(behavior):
-            runs = [after for run in runs for after in run.statement(statement)]
+            after = (after for run in runs for after in run.statement(statement))
+            runs = list(islice(after, MAX_TRIPLES + 1))
             if len(runs) > MAX_TRIPLES:
                 construct = f"a body with more than {MAX_TRIPLES} choices"
                 raise NotModelled(construct, behavior.location)
@@ -110,17 +120,29 @@ class Model:
             construct = "an expression nested this deeply"
             raise NotModelled(construct, expression.location) from None
 
-    def weakest_precondition(self, condition: Expression, triple: Triple) -> Expression:
+    def weakest_precondition(
+        self, condition: Expression, triple: Triple, arguments: tuple[Expression, ...] = ()
+    ) -> Expression:
         """What must hold before a transition for a pooled condition to hold after it.
 
-        `pre` is not part of it: the transition can be applied only where that holds too.
+        The result is true in a state exactly if the condition is true in the state after. `pre` is
+        not part of it: the transition can be applied only where that holds too. Variables of the
+        condition that are parameters of the triple mean these, unless `arguments` are given, pooled
+        expressions that stand for them in order.
+        Raises NotModelled for a condition with an external function that reads what is written, and
+        for one that reads what a `foreach` writes to computed cells.
         """
         executor = Executor(self.program, self.pool)
-        layer = Layer(None, {("", (), i): update for i, update in enumerate(triple.post)})
+        names = [p.name for p in triple.parameters[: len(arguments)]]
+        given = dict(zip(names, arguments, strict=True))
+        updates = (self._instance(update, given) for update in triple.post)
+        layer = Layer(None, {("", (), i): update for i, update in enumerate(updates)})
 
         # `not f(x)` after `f[x] = not f(x)` is `f(x)`, which must not be taken for a read after: so
         # what is read after the transition is marked first, and replaced where it is marked.
         def marked(node: Expression) -> Expression:
+            if isinstance(node, Apply):
+                executor.check_call(node, layer)
             if not isinstance(node, Read):
                 return node
             return self.pool.apply(_AFTER + node.feature, node.arguments, node.type, node.location)
@@ -132,6 +154,16 @@ class Model:
             return executor.read(feature, node.arguments, layer, node.location)
 
         return self.pool.rebuild(self.pool.rebuild(condition, {}, marked), {}, after)
+
+    def _instance(self, update: Update, given: Variables) -> Update:
+        """An update with some parameters replaced."""
+        of = self.pool.substitute
+        return replace(
+            update,
+            arguments=tuple(of(argument, given) for argument in update.arguments),
+            value=of(update.value, given),
+            guard=of(update.guard, given),
+        )
 
 
 class _Run:
@@ -147,7 +179,7 @@ class _Run:
             p.name: model.pool.variable(p.name, p.type) for p in behavior.parameters
         }
         self.layer = Layer()
-        self.pre: tuple[Expression, ...] = ()
+        self.pre: tuple[_Demand, ...] = ()
         self.calls: tuple[Do, ...] = ()
         self.has_state_let = False
 
@@ -165,15 +197,17 @@ class _Run:
         self.execute(behavior.effect, self.variables)
         pool = self.model.pool
         updates = (u for u in self.layer.all_writes() if u.guard is not pool.false)
+        pre, reasons = _conjuncts(self.pre, pool)
         return Triple(
             behavior.name,
             self.parameters,
             behavior.goal,
             self.calls,
-            _conjuncts(pool.conjunction(self.pre), pool),
+            pre,
             tuple(updates),
             tuple(self.executor.conflicts),
             behavior.location,
+            reasons,
         )
 
     # ------------------------------------------------------------------------------- statements
@@ -209,14 +243,23 @@ class _Run:
             yield from run.block(statements[1:])
 
     def _order_matters(self, body: tuple[Statement, ...]) -> bool:
-        """Whether a group runs two controllers of which one has an effect."""
-        calls = [s for s in body if not isinstance(s, Achieve | Assert)]
-        return len(calls) > 1
+        """Whether the effects of a group's statements may depend on their order."""
+        if all(isinstance(s, Achieve | Assert) for s in body):
+            return False
+        each = [touched(self.model.program, (statement,)) for statement in body]
+        if not any(one.disturbs(other) for one, other in permutations(each, 2)):
+            return False
+        for statement in body:
+            if isinstance(statement, Let | SetLocal | Bind):
+                # In some orders, others would use its variable before it has a value.
+                construct = f"{_construct(statement)} in an `unordered` group that acts"
+                raise NotModelled(construct, statement.location)
+        return True
 
     def _plain(self, node: Statement) -> None:
         match node:
             case Assert(condition=condition):
-                self._require(condition, self.variables)
+                self._require(condition, node)
             case Achieve():
                 self._achieve(node)
             case Bind():
@@ -244,10 +287,10 @@ class _Run:
             # The plan for this may change what the `let` has read; the triple would not.
             raise NotModelled("an `achieve` after a `let` that reads the state", node.location)
         if not node.once:
-            self._require(node.condition, self.variables)
+            self._require(node.condition, node)
 
-    def _require(self, condition: Expression, variables: Variables) -> None:
-        self.pre = (*self.pre, self._now(condition, variables))
+    def _require(self, condition: Expression, node: Statement) -> None:
+        self.pre = (*self.pre, _Demand(self._now(condition, self.variables), _place(node)))
 
     def _now(self, expression: Expression, variables: Variables) -> Expression:
         """The value of an expression where the run stands, over the state before."""
@@ -255,7 +298,7 @@ class _Run:
 
     def _conditions(
         self, statements: tuple[Statement, ...], variables: Variables
-    ) -> Iterator[Expression]:
+    ) -> Iterator[_Demand]:
         """What blocks under `if`, `foreach` and `for` demand; they may do nothing else."""
         pool = self.model.pool
         for node in statements:
@@ -263,7 +306,7 @@ class _Run:
                 case Assert(condition=condition) | Achieve(condition=condition, once=False):
                     if isinstance(node, Achieve) and (self.calls or self.has_state_let):
                         self._achieve(node)
-                    yield self._now(condition, variables)
+                    yield _Demand(self._now(condition, variables), _place(node))
                 case Achieve():
                     continue
                 case Group(order="sequential" | "unordered", body=body):
@@ -271,14 +314,17 @@ class _Run:
                 case If(condition=test, then=then, otherwise=otherwise):
                     now = self._now(test, variables)
                     for part in self._conditions(then, variables):
-                        yield pool.disjunction((pool.negation(now), part))
+                        formula = pool.disjunction((pool.negation(now), part.formula))
+                        yield replace(part, formula=formula)
                     for part in self._conditions(otherwise, variables):
-                        yield pool.disjunction((now, part))
+                        yield replace(part, formula=pool.disjunction((now, part.formula)))
                 case ForEach(variables=bound, body=body):
                     opened = tuple(pool.fresh(v) for v in bound)
                     names = {v.name: o for v, o in zip(bound, opened, strict=True)}
-                    parts = self._conditions(body, {**variables, **names})
-                    yield pool.quantified("forall", opened, pool.conjunction(parts))
+                    parts = tuple(self._conditions(body, {**variables, **names}))
+                    together = pool.conjunction(part.formula for part in parts)
+                    sources = merged((), *(part.sources for part in parts))
+                    yield _Demand(pool.quantified("forall", opened, together), sources)
                 case ForRange(variable=variable, body=body):
                     for number in range(node.start, node.stop, node.step):
                         counted = pool.constant(number, INT64)
@@ -299,7 +345,7 @@ class _Run:
             bound = self.model.pool.variable(fresh.name, fresh.type)
             self.variables = {**self.variables, variable.name: bound}
         if node.condition is not None:
-            self._require(node.condition, self.variables)
+            self._require(node.condition, node)
 
     def _do(self, node: Do) -> None:
         values = tuple(self._now(a, self.variables) for a in node.arguments)
@@ -313,8 +359,9 @@ class _Run:
     def execute(self, effect: tuple[Statement, ...], variables: Variables) -> None:
         """An effect on top of those before; it can be applied only where it stays in bounds."""
         self.layer = self.executor.execute(effect, self.layer, variables)
-        features = self.executor.features
-        self.pre = (*self.pre, *within_bounds(self.executor, features, self.layer))
+        bounds = within_bounds(self.executor, self.executor.features, self.layer)
+        demands = (_Demand(condition, sources) for condition, sources in bounds)
+        self.pre = (*self.pre, *demands)
 
     def _call(self, node: Call) -> Iterator["_Run"]:
         """A called behavior is inlined: its conditions, calls and effect become the caller's."""
@@ -330,13 +377,30 @@ class _Run:
             yield run
 
 
-def _conjuncts(condition: Expression, pool: Pool) -> tuple[Expression, ...]:
+def _conjuncts(
+    demands: tuple[_Demand, ...], pool: Pool
+) -> tuple[tuple[Expression, ...], tuple[tuple[Location, ...], ...]]:
+    """The conjuncts of all demands, each once, with the statements behind each."""
+    reasons: dict[int, tuple[Location, ...]] = {}
+    for demand in demands:
+        for part in _operands(demand.formula, pool):
+            reasons[id(part)] = merged(reasons.get(id(part), ()), demand.sources)
+    together = _operands(pool.conjunction(d.formula for d in demands), pool)
+    every = merged((), *reasons.values())
+    return together, tuple(reasons.get(id(part), every) for part in together)
+
+
+def _operands(condition: Expression, pool: Pool) -> tuple[Expression, ...]:
     if condition is pool.true:
         return ()
     return condition.operands if isinstance(condition, And) else (condition,)
 
 
+def _place(node: Statement) -> tuple[Location, ...]:
+    return () if node.location is None else (node.location,)
+
+
 def _construct(statement: Statement) -> str:
     """A statement in words."""
-    names = {"Do": "a controller call", "Call": "a behavior call", "Bind": "`bind`"}
+    names = {"Do": "a controller call", "Call": "a behavior call", "SetLocal": "an assignment"}
     return names.get(type(statement).__name__, f"`{type(statement).__name__.lower()}`")

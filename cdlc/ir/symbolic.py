@@ -1,16 +1,13 @@
-"""Symbolic execution of effects: statements to a simultaneous assignment (App. D.5).
+"""Symbolic execution of effects: statements to a simultaneous assignment (App. D.5)."""
 
-A state is the state before plus a list of writes. A write says: where its guard holds, the cell of
-these arguments has this value; its quantified variables range over objects, one write for each.
-Guards, arguments and values all read the state before, so a list of writes is one simultaneous
-assignment, in which a later write wins where two meet in a cell.
-"""
-
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Literal
 
+from cdlc.ir.behaviors import reads_of
+from cdlc.ir.cells import Cells
 from cdlc.ir.pool import Pool
+from cdlc.ir.updates import Layer, NotModelled, merged, written
 from crow.program import (
     And,
     Apply,
@@ -24,7 +21,6 @@ from crow.program import (
     Constant,
     Continue,
     Expression,
-    Feature,
     ForEach,
     ForRange,
     Function,
@@ -35,7 +31,6 @@ from crow.program import (
     Not,
     Object,
     Or,
-    Parameter,
     Program,
     Quantified,
     Read,
@@ -46,65 +41,11 @@ from crow.program import (
     Vector,
     Xor,
 )
-from crow.program.types import INT64, is_boolean
+from crow.program.triples import Update
+from crow.program.types import INT64
+from crow.program.walk import subexpressions
 
 Variables = Mapping[str, Expression]
-
-
-class NotModelled(Exception):  # noqa: N818 - not an error of the program
-    """A construct that has no Hoare model, with its place."""
-
-    def __init__(self, construct: str, location: Location | None) -> None:
-        super().__init__(construct)
-        self.construct = construct
-        self.location = location
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Update:
-    """`feature[arguments] := value` where `guard` holds, for all `variables`.
-
-    Everything reads the state before. `variables` are fresh ones of the pool.
-    """
-
-    feature: str
-    arguments: tuple[Expression, ...]
-    value: Expression
-    guard: Expression
-    variables: tuple[Expression, ...] = ()
-    location: Location | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Conflict:
-    """Two iterations of a `foreach` that may write one cell: when, and where both stand.
-
-    `condition` is over the state before and over the variables of both iterations, `variables`;
-    where it holds, the values differ.
-    """
-
-    condition: Expression
-    variables: tuple[Expression, ...]
-    first: Update
-    second: Update
-
-
-Cell = tuple[str, tuple[int, ...], int]
-"""A feature with the identities of its arguments; the number tells quantified writes apart."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Layer:
-    """Writes over what is under them: the state before, or the state around a `foreach`."""
-
-    under: "Layer | None" = None
-    writes: Mapping[Cell, Update] = field(default_factory=dict)
-
-    def all_writes(self) -> Iterator[Update]:
-        """Every write from the state before on, in order."""
-        if self.under is not None:
-            yield from self.under.all_writes()
-        yield from self.writes.values()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,16 +74,12 @@ class _Outcome:
     normal: _Path | None
 
 
-class Executor:
-    """Executes effects of one program symbolically; `conflicts` gathers what `foreach`s may do."""
+class Executor(Cells):
+    """Executes effects of one program symbolically."""
 
     def __init__(self, program: Program, pool: Pool) -> None:
-        self.program = program
-        self.pool = pool
-        self.features: dict[str, Feature] = {f.name: f for f in program.features}
+        super().__init__(program, pool)
         self.functions: dict[str, Function] = {f.name: f for f in program.functions}
-        self.conflicts: list[Conflict] = []
-        self._numbers = 0
         self._returns: dict[tuple[str, tuple[int, ...], Layer], Expression] = {}
 
     # ------------------------------------------------------------------------------- expressions
@@ -191,87 +128,12 @@ class Executor:
                 inner = self.value(body, layer, {**variables, **names})
                 return pool.quantified(quantifier, opened, inner)
 
-    def read(
-        self,
-        feature: str,
-        arguments: tuple[Expression, ...],
-        layer: Layer,
-        location: Location | None = None,
-    ) -> Expression:
-        """A cell after the writes of a layer: a choice on each write that may meet it."""
-        value = self.pool.read(feature, arguments, self.features[feature].type, location)
-        for write in layer.all_writes():
-            if write.feature == feature:
-                value = self._overwritten(value, write, arguments)
-        return value
-
-    def _overwritten(
-        self, before: Expression, write: Update, arguments: tuple[Expression, ...]
-    ) -> Expression:
-        """The value of a cell after one more write."""
-        pool = self.pool
-        if not write.variables:
-            pairs = zip(write.arguments, arguments, strict=True)
-            same = [pool.equal(a, b) for a, b in pairs]
-            return pool.choice(pool.conjunction((*same, write.guard)), write.value, before)
-        match_, chosen = self._matching(write, arguments)
-        guard = pool.substitute(write.guard, chosen)
-        value = pool.substitute(write.value, chosen)
-        met = pool.conjunction((match_, guard))
-        names = {v.name for v in write.variables if isinstance(v, Variable)} - set(chosen)
-        open_ = tuple(v for v in write.variables if isinstance(v, Variable) and v.name in names)
-        if not open_:
-            return pool.choice(met, value, before)
-        if not names & pool.free_variables(value):
-            return pool.choice(pool.quantified("exists", open_, met), value, before)
-        if is_boolean(value.type):
-            # All iterations that write the cell agree, so one that writes true decides it.
-            true = pool.quantified("exists", open_, pool.conjunction((met, value)))
-            return pool.choice(pool.quantified("exists", open_, met), true, before)
-        raise NotModelled("a read of what a `foreach` writes to computed cells", write.location)
-
-    def meets(self, write: Update, arguments: tuple[Expression, ...]) -> Expression:
-        """When a write reaches a cell."""
-        match_, chosen = self._matching(write, arguments)
-        met = self.pool.conjunction((match_, self.pool.substitute(write.guard, chosen)))
-        left = (v for v in write.variables if isinstance(v, Variable) and v.name not in chosen)
-        return self.pool.quantified("exists", tuple(left), met)
-
-    def _matching(
-        self, write: Update, arguments: tuple[Expression, ...]
-    ) -> tuple[Expression, dict[str, Expression]]:
-        """When a write meets a cell, and what its quantified variables are then.
-
-        A variable that is itself an argument of the written cell is the cell's argument.
-        """
-        pool = self.pool
-        chosen: dict[str, Expression] = {}
-        conditions: list[Expression] = []
-        own = {v.name for v in write.variables if isinstance(v, Variable)}
-        for written, wanted in zip(write.arguments, arguments, strict=True):
-            if isinstance(written, Variable) and written.name in own - set(chosen):
-                chosen[written.name] = wanted
-                conditions.append(self._is_of_type(wanted, written))
-        for written, wanted in zip(write.arguments, arguments, strict=True):
-            conditions.append(pool.equal(pool.substitute(written, chosen), wanted))
-        return pool.conjunction(conditions), chosen
-
-    def _is_of_type(self, node: Expression, variable: Variable) -> Expression:
-        """That an object is one that a variable ranges over."""
-        if self.pool.hierarchy.is_subtype(node.type, variable.type):
-            return self.pool.true
-        opened = self.pool.fresh(Parameter(variable.name, variable.type))
-        return self.pool.quantified("exists", (opened,), self.pool.equal(opened, node))
-
     def _apply(self, node: Apply, layer: Layer, variables: Variables) -> Expression:
         """A derived function's value; an external one stays, reading the state it is called in."""
         arguments = tuple(self.value(a, layer, variables) for a in node.arguments)
         function = self.functions[node.function]
         if function.body is None:
-            if _reads_state(function) and any(layer.all_writes()):
-                raise NotModelled(
-                    f"`{function.name}`, which reads the state, after a write", node.location
-                )
+            self.check_call(node, layer)
             return self.pool.apply(node.function, arguments, node.type, node.location)
         # Functions that call each other twice would else take time exponential in their number.
         key = (node.function, tuple(map(id, arguments)), layer)
@@ -280,6 +142,14 @@ class Executor:
             path = _Path(layer, dict(zip(names, arguments, strict=True)))
             self._returns[key] = self._returned(self._block(function.body, path))
         return self._returns[key]
+
+    def check_call(self, node: Apply, layer: Layer) -> None:
+        """Raise NotModelled for an external function called where what it reads is written."""
+        reads = reads_of(self.functions[node.function])
+        for write in layer.all_writes():
+            if not reads.isdisjoint((write.feature, "all")):
+                construct = f"`{node.function}`, which reads `{write.feature}`, after a write of it"
+                raise NotModelled(construct, node.location)
 
     def _returned(self, outcome: _Outcome) -> Expression:
         *earlier, last = outcome.exits
@@ -357,8 +227,19 @@ class Executor:
             operator = node.operator[0]
             assert operator in ("+", "-", "*", "/")
             value = self.pool.arithmetic(operator, before, value, type_, node.location)  # type: ignore[arg-type]
-        write = Update(node.feature, arguments, value, self.pool.true, (), node.location)
-        return _written(path.layer, write)
+        sources = self._sources(node, arguments, path.layer)
+        write = Update(node.feature, arguments, value, self.pool.true, (), node.location, sources)
+        return written(path.layer, write)
+
+    def _sources(
+        self, node: Assign, arguments: tuple[Expression, ...], layer: Layer
+    ) -> tuple[Location, ...]:
+        """The statement, and those before it whose writes it changes."""
+        own = () if node.location is None else (node.location,)
+        reads = (e for e in subexpressions(node.value) if isinstance(e, Read))
+        if node.operator == "=" and not any(read.feature == node.feature for read in reads):
+            return own
+        return merged(own, self.behind(node.feature, arguments, layer))
 
     # ----------------------------------------------------------------------------------- branches
 
@@ -390,66 +271,7 @@ class Executor:
             for name in then.variables
             if name in otherwise.variables
         }
-        return _Path(self._join_layers(condition, then.layer, otherwise.layer), variables)
-
-    def _join_layers(self, condition: Expression, then: Layer, otherwise: Layer) -> Layer:
-        assert then.under is otherwise.under
-        cells = dict.fromkeys((*then.writes, *otherwise.writes))
-        pairs = {cell: (then.writes.get(cell), otherwise.writes.get(cell)) for cell in cells}
-        same = {cell: one for cell, (one, other) in pairs.items() if one and one is other}
-        changed = {cell: pair for cell, pair in pairs.items() if cell not in same}
-        for side, guard in ((0, condition), (1, self.pool.negation(condition))):
-            if all(pair[1 - side] is None for pair in changed.values()):
-                # One branch wrote nothing: the writes of the other keep their order.
-                only = {cell: self._guarded(pair[side], guard) for cell, pair in changed.items()}
-                return Layer(then.under, {**same, **only})
-        joined = {
-            cell: self._joined(condition, *pair, then, otherwise) for cell, pair in changed.items()
-        }
-        return Layer(then.under, {**same, **joined})
-
-    def _guarded(self, write: Update | None, guard: Expression) -> Update:
-        assert write is not None
-        return replace(write, guard=self.pool.conjunction((guard, write.guard)))
-
-    def _joined(
-        self,
-        condition: Expression,
-        one: Update | None,
-        other: Update | None,
-        then: Layer,
-        otherwise: Layer,
-    ) -> Update:
-        """A cell that two branches left differently.
-
-        Its value in a branch is read there, since a later write of the branch may have met it.
-        """
-        pool = self.pool
-        write = one or other
-        assert write is not None
-        if one is None or other is None:
-            layer = otherwise if one is None else then
-            guards = (pool.false, write.guard) if one is None else (write.guard, pool.false)
-            guard = pool.choice(condition, *guards)
-            return replace(write, guard=guard, value=self._settled(write, layer))
-        is_plain = then.under is None and not write.variables
-        if is_plain and not one.guard is other.guard is pool.true:
-            # A cell written conditionally again and again: its guard would grow with each time.
-            ends = [self.read(write.feature, write.arguments, end) for end in (then, otherwise)]
-            return replace(write, guard=pool.true, value=pool.choice(condition, *ends))
-        values = self._settled(one, then), self._settled(other, otherwise)
-        guard = pool.choice(condition, one.guard, other.guard)
-        return replace(write, guard=guard, value=pool.choice(condition, *values))
-
-    def _settled(self, write: Update, layer: Layer) -> Expression:
-        """The value of a written cell at the end of a branch."""
-        value, is_later = write.value, False
-        for other in layer.writes.values():
-            if other is write:
-                is_later = True
-            elif is_later and other.feature == write.feature:
-                value = self._overwritten(value, other, write.arguments)
-        return value
+        return _Path(self.join_layers(condition, then.layer, otherwise.layer), variables)
 
     # -------------------------------------------------------------------------------------- loops
 
@@ -515,79 +337,11 @@ class Executor:
             for write in outcome.normal.layer.writes.values()
             if write.guard is not self.pool.false
         ]
-        self._find_conflicts(writes, opened)
+        self.find_conflicts(writes, opened)
         layer = path.layer
         for write in writes:
-            layer = self._written_by_all(layer, write)
+            layer = self.written_by_all(layer, write)
         return layer
-
-    def _written_by_all(self, layer: Layer, write: Update) -> Layer:
-        """A quantified write; without its variables where the cell and value have none of them."""
-        names = {v.name for v in write.variables if isinstance(v, Variable)}
-        free = self.pool.free_variables
-        used = free(write.value).union(*map(free, write.arguments))
-        if names & used:
-            self._numbers += 1
-            return _written(layer, write, self._numbers)
-        guard = self.pool.quantified("exists", write.variables, write.guard)
-        return self._written_where(layer, replace(write, guard=guard, variables=()))
-
-    def _written_where(self, layer: Layer, write: Update) -> Layer:
-        """A guarded write of one cell, over what an earlier write may have put there."""
-        cell = _cell(write, 0)
-        earlier = layer.writes.get(cell)
-        if earlier is not None:
-            pool = self.pool
-            value = pool.choice(write.guard, write.value, self._settled(earlier, layer))
-            guard = pool.disjunction((write.guard, earlier.guard))
-            write = replace(write, guard=guard, value=value)
-        return _written(layer, write)
-
-    def _find_conflicts(self, writes: list[Update], opened: tuple[Expression, ...]) -> None:
-        """Pairs of writes by different iterations that may put different values into one cell."""
-        for index, first in enumerate(writes):
-            for second in writes[index:]:
-                if first.feature == second.feature:
-                    conflict = self._conflict(first, second, opened)
-                    if conflict.condition is not self.pool.false:
-                        self.conflicts.append(conflict)
-
-    def _conflict(self, first: Update, second: Update, opened: tuple[Expression, ...]) -> Conflict:
-        pool = self.pool
-        renaming = {
-            v.name: pool.fresh(Parameter(v.name.split("'")[0], v.type))
-            for v in second.variables
-            if isinstance(v, Variable)
-        }
-
-        def renamed(node: Expression) -> Expression:
-            return pool.substitute(node, renaming)
-
-        differ = [
-            pool.negation(pool.equal(v, renaming[v.name]))
-            for v in opened
-            if isinstance(v, Variable)
-        ]
-        pairs = zip(first.arguments, map(renamed, second.arguments), strict=True)
-        met = [pool.equal(a, b) for a, b in pairs]
-        condition = pool.conjunction(
-            (
-                pool.disjunction(differ),
-                first.guard,
-                renamed(second.guard),
-                *met,
-                pool.negation(pool.equal(first.value, renamed(second.value))),
-            )
-        )
-        if self._contradicts(differ, met):
-            condition = pool.false
-        variables = (*first.variables, *renaming.values())
-        return Conflict(condition, variables, first, second)
-
-    def _contradicts(self, differ: list[Expression], met: list[Expression]) -> bool:
-        """Whether meeting in a cell makes all loop variables the same."""
-        same = {id(m) for m in met}
-        return bool(differ) and all(id(self.pool.negation(d)) in same for d in differ)
 
 
 def leaving(statements: tuple[Statement, ...], outer: Variables, inner: Variables) -> Variables:
@@ -595,18 +349,3 @@ def leaving(statements: tuple[Statement, ...], outer: Variables, inner: Variable
     hidden = {s.variable.name for s in statements if isinstance(s, Let)}
     hidden |= {v.name for s in statements if isinstance(s, Bind) for v in s.variables}
     return {name: outer[name] if name in hidden else inner[name] for name in outer}
-
-
-def _reads_state(function: Function) -> bool:
-    return any(a.name == "reads" for a in function.annotations)
-
-
-def _cell(write: Update, number: int) -> Cell:
-    return (write.feature, tuple(map(id, write.arguments)), number)
-
-
-def _written(layer: Layer, write: Update, number: int = 0) -> Layer:
-    """The layer with a write after all others; one of the same cell is gone."""
-    cell = _cell(write, number)
-    others = {c: w for c, w in layer.writes.items() if c != cell}
-    return Layer(layer.under, {**others, cell: write})

@@ -1,5 +1,7 @@
 """Traces in a plan's JSON, read back so that every item can be replayed (semantics.md §1)."""
 
+from collections.abc import Mapping
+
 from cdlc.diagnostics import Collector
 from cdlc.frontend import syntax
 from cdlc.frontend.check import CheckedDomain
@@ -58,7 +60,7 @@ def _item(item: object, domain: CheckedDomain, world: World) -> TraceItem:
             typed = {n: _typed(n, value, world) for n, value in variables.items()}
             values = {name: value for name, (value, _) in typed.items()}
             types = {name: type_ for name, (_, type_) in typed.items()}
-            return AssertItem(_condition(text, types, domain), values, text)
+            return AssertItem(read_condition(text, types, domain), values, text)
         case {"eff": str(owner), "variables": dict(variables)}:
             return _effect(owner, variables, world)
         case _:
@@ -109,8 +111,11 @@ def _visible(owner: Behavior | Controller) -> dict[str, Type]:
     return types
 
 
-def _condition(text: str, variables: dict[str, Type], domain: CheckedDomain) -> Expression:
-    """Parse a condition as the goal of a file of its own, and check it with typed variables."""
+def read_condition(text: str, variables: Mapping[str, Type], domain: CheckedDomain) -> Expression:
+    """Parse a condition as the goal of a file of its own, and check it with typed variables.
+
+    Raises TraceFormatError.
+    """
     found = Collector()
     source = SourceFile("<trace>", f"goal: {text}\n")
     match parse(source, found).definitions:

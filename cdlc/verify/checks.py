@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from cdlc.ir.graph import in_order
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.lints.goals import mended, near_miss
-from cdlc.ir.symbolic import Conflict, NotModelled, Update
+from cdlc.ir.updates import NotModelled
 from cdlc.verify.errors import DeadWrite, GoalRefuted, NeverApplicable, WritesCollide
 from cdlc.verify.explain import Counterexample, false_parts, smaller, write_labels
 from cdlc.verify.question import Question
@@ -21,6 +21,7 @@ from cdlc.verify.smt.ask import Found, can_alias, refute, search
 from cdlc.verify.smt.solver import Answer, Solved
 from cdlc.verify.ways import Ways
 from crow.program import And, Apply, Behavior, Expression, Location, Read
+from crow.program.triples import Conflict, Triple, Update
 from crow.program.types import is_object
 from crow.program.walk import statements_within, subexpressions
 from crow.text import expression_text
@@ -199,7 +200,7 @@ def _places(subject: Subject, triple: Triple, parts: list[Expression]) -> Iterat
 
 def _text(model: Model, formula: Expression) -> str:
     """A formula in CDL; its bound variables have names that nobody has given."""
-    from cdlc.ir.text import written_size
+    from cdlc.ir.graph import written_size
 
     if written_size(formula) > 200:
         return "a condition too long to be shown"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from cdlc.ir.graph import in_order
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from crow.program import (
     Apply,
     Constant,
@@ -23,6 +23,7 @@ from crow.program import (
     Vector,
     VectorType,
 )
+from crow.program.triples import Triple
 from crow.program.types import is_integer, is_number, is_object, underlying
 
 

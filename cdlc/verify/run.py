@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.hoare import Model
+from cdlc.ir.updates import NotModelled
 from cdlc.verify.errors import SolverMissing
 from cdlc.verify.ways import ways_of_triples
 from crow.program import Behavior, Program
@@ -13,6 +13,7 @@ from crow.program import Behavior, Program
 if TYPE_CHECKING:
     from cdlc.verify.checks import Subject
     from cdlc.verify.results import Check, Report, Verified
+    from crow.program.triples import Triple
 
 # Seconds for one check; most take milliseconds.
 TIME_LIMIT = 10.0

@@ -9,12 +9,13 @@ import time
 from collections.abc import Iterator, Sequence
 from itertools import permutations
 
-from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled, Update
+from cdlc.ir.hoare import Model
+from cdlc.ir.updates import NotModelled
 from cdlc.verify.question import Question
 from cdlc.verify.smt.ask import refute
 from cdlc.verify.smt.solver import Answer
 from crow.program import Expression, Parameter, Variable
+from crow.program.triples import Triple, Update
 
 # Variables besides those of the calls, of which every order is tried.
 _MOST_ORDERED = 4

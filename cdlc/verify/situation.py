@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from cdlc.ir.hoare import Triple
 from cdlc.verify.ways import Way
 from crow.evaluate import EvaluationError, check_bounds, evaluate
 from crow.problem import Cell, State, World
@@ -31,6 +30,7 @@ from crow.program import (
     Vector,
     VectorType,
 )
+from crow.program.triples import Triple
 from crow.program.types import underlying
 from crow.transition import Transition, Unmet, apply
 from crow.values import Value, default_value

@@ -33,6 +33,7 @@ STAGES = {
     "goal-refuted": "verify",
     "never-applicable": "verify",
     "writes-collide": "verify",
+    "formula-too-large": "hoare_text",
     "no-hoare-model": "triples",
     "no-initial-value": "problem",
     "not-in-pddl": "pddl",

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from programs import program_of, start
 
 from cdlc.ir.graph import size
-from cdlc.ir.pool import Level, Pool
+from cdlc.ir.nodes import Level
+from cdlc.ir.pool import Pool
 from crow.evaluate import holds
 from crow.problem import State, World
 from crow.program import (

@@ -1,5 +1,9 @@
 """Random effects over a small world, as program nodes, for comparing ways of running them."""
 
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
 from hypothesis import strategies as st
 
 from crow.program import (
@@ -72,9 +76,22 @@ FUNCTIONS = (
 )
 PARAMETERS = (Parameter("p", THING), Parameter("q", THING), Parameter("r", BOX))
 
+LEAVING = (Break(), Continue())
+
 Scope = tuple[Parameter, ...]
 
 
+def among(options: Sequence[Any]) -> st.SearchStrategy[Any]:
+    """One of some options; making a strategy costs more than drawing from it."""
+    return _among(tuple(options))
+
+
+@cache
+def _among(options: tuple[Any, ...]) -> st.SearchStrategy[Any]:
+    return st.sampled_from(options)
+
+
+@cache
 def objects(scope: Scope, wanted: ObjectType, depth: int) -> st.SearchStrategy[Expression]:
     """An expression for an object of a type."""
     named = [
@@ -83,7 +100,7 @@ def objects(scope: Scope, wanted: ObjectType, depth: int) -> st.SearchStrategy[E
         if v.type == wanted or (v.type == BOX and wanted == THING)
     ]
     simple: list[Expression] = [*named, Object("k", THING)] if wanted == THING else [*named]
-    base = st.sampled_from(simple)
+    base = among(simple)
     if wanted == BOX or depth <= 0:
         return base
     return st.one_of(
@@ -91,14 +108,16 @@ def objects(scope: Scope, wanted: ObjectType, depth: int) -> st.SearchStrategy[E
     )
 
 
+@cache
 @st.composite
 def cells(draw: st.DrawFn, scope: Scope, depth: int, kind: object) -> Read:
     """A read of some cell of a type."""
-    feature = draw(st.sampled_from([f for f in FEATURES if f.type == kind]))
+    feature = draw(among([f for f in FEATURES if f.type == kind]))
     arguments = tuple(draw(objects(scope, p.type, depth)) for p in feature.parameters)  # type: ignore[arg-type]
     return Read(feature.name, arguments, feature.type)
 
 
+@cache
 @st.composite
 def numbers(draw: st.DrawFn, scope: Scope, depth: int) -> Expression:
     """An expression for a whole number."""
@@ -106,13 +125,13 @@ def numbers(draw: st.DrawFn, scope: Scope, depth: int) -> Expression:
     choices = ["constant", "read", *(["local"] * (2 if local else 0))]
     if depth > 0:
         choices += ["arithmetic", "conditional", "builtin"]
-    match draw(st.sampled_from(choices)):
+    match draw(among(choices)):
         case "local":
-            return draw(st.sampled_from(local))
+            return draw(among(local))
         case "read":
             return draw(cells(scope, depth - 1, INT64))
         case "arithmetic":
-            operator = draw(st.sampled_from(["+", "-", "+", "-", "*"]))
+            operator = draw(among(["+", "-", "+", "-", "*"]))
             left, right = draw(numbers(scope, depth - 1)), draw(numbers(scope, depth - 1))
             return Arithmetic(operator, left, right, INT64)
         case "conditional":
@@ -121,24 +140,25 @@ def numbers(draw: st.DrawFn, scope: Scope, depth: int) -> Expression:
             return Conditional(condition, left, right, INT64)
         case "builtin":
             left, right = draw(numbers(scope, depth - 1)), draw(numbers(scope, depth - 1))
-            return Builtin(draw(st.sampled_from(["min", "max"])), (left, right), INT64)
+            return Builtin(draw(among(["min", "max"])), (left, right), INT64)
         case _:
             return Constant(draw(st.integers(-2, 3)), INT64)
 
 
+@cache
 @st.composite
 def conditions(draw: st.DrawFn, scope: Scope, depth: int) -> Expression:
     """A Boolean expression."""
     choices = ["read", "read", "equal", "compare"]
     if depth > 0:
         choices += ["not", "and", "or", "xor", "quantified", "apply", "constant"]
-    match draw(st.sampled_from(choices)):
+    match draw(among(choices)):
         case "equal":
-            operator = draw(st.sampled_from(["==", "!="]))
+            operator = draw(among(["==", "!="]))
             sides = draw(objects(scope, THING, depth)), draw(objects(scope, THING, depth))
             return Compare(operator, *sides)
         case "compare":
-            operator = draw(st.sampled_from(["==", "!=", "<", "<=", ">", ">="]))
+            operator = draw(among(["==", "!=", "<", "<=", ">", ">="]))
             return Compare(
                 operator, draw(numbers(scope, depth - 1)), draw(numbers(scope, depth - 1))
             )
@@ -150,8 +170,8 @@ def conditions(draw: st.DrawFn, scope: Scope, depth: int) -> Expression:
         case "xor":
             return Xor(draw(conditions(scope, depth - 1)), draw(conditions(scope, depth - 1)))
         case "quantified":
-            variable = Parameter(f"v{depth}", draw(st.sampled_from([THING, BOX])))
-            quantifier = draw(st.sampled_from(["forall", "exists"]))
+            variable = Parameter(f"v{depth}", draw(among([THING, BOX])))
+            quantifier = draw(among(["forall", "exists"]))
             body = draw(conditions((*scope, variable), depth - 1))
             return Quantified(quantifier, (variable,), body)
         case "apply":
@@ -162,23 +182,25 @@ def conditions(draw: st.DrawFn, scope: Scope, depth: int) -> Expression:
             return draw(cells(scope, depth - 1, BOOL))
 
 
+@cache
 @st.composite
 def assignments(draw: st.DrawFn, scope: Scope, *, in_foreach: bool) -> Statement:
     """An assignment to some cell."""
-    feature = draw(st.sampled_from(FEATURES))
+    feature = draw(among(FEATURES))
     arguments = tuple(draw(objects(scope, p.type, 1)) for p in feature.parameters)  # type: ignore[arg-type]
     if feature.type == BOOL:
-        value = draw(
-            st.one_of(st.booleans().map(lambda b: Constant(b, BOOL)), conditions(scope, 2))
-        )
+        is_constant = draw(st.booleans())
+        truth = st.booleans().map(lambda b: Constant(b, BOOL))
+        value = draw(truth if is_constant else conditions(scope, 2))
         return Assign(feature.name, arguments, "=", value)
     if feature.type == THING:
         return Assign(feature.name, arguments, "=", draw(objects(scope, THING, 1)))
     operators = ["="] if in_foreach else ["=", "+=", "-="]
-    operator = draw(st.sampled_from(operators))
+    operator = draw(among(operators))
     return Assign(feature.name, arguments, operator, draw(numbers(scope, 2)))
 
 
+@cache
 @st.composite
 def blocks(
     draw: st.DrawFn,
@@ -193,7 +215,7 @@ def blocks(
     for index in range(draw(st.integers(1, 3))):
         kinds = ["assign", "assign", "let", "if", "for", "foreach"]
         locals_ = [v for v in scope if v.name.startswith("l") and v.type == INT64]
-        kind = draw(st.sampled_from(kinds + ["set"] * bool(locals_) + ["leave"] * in_for))
+        kind = draw(among(kinds + ["set"] * bool(locals_) + ["leave"] * in_for))
         if depth <= 0 and kind in ("if", "for", "foreach"):
             kind = "assign"
         match kind:
@@ -202,7 +224,7 @@ def blocks(
                 statements.append(Let(variable, draw(numbers(scope, 2))))
                 scope = (*scope, variable)
             case "set":
-                name = draw(st.sampled_from(locals_)).name
+                name = draw(among(locals_)).name
                 statements.append(SetLocal(name, draw(numbers(scope, 1))))
             case "if":
                 inner = blocks(scope, depth - 1, in_for=in_for, in_foreach=in_foreach)
@@ -216,13 +238,13 @@ def blocks(
                 stop = draw(st.integers(0, 3))
                 statements.append(ForRange(variable, 0, stop, 1, body))
             case "foreach":
-                variable = Parameter(f"o{depth}", draw(st.sampled_from([THING, BOX])))
+                variable = Parameter(f"o{depth}", draw(among([THING, BOX])))
                 # Outer locals may be read, not assigned: hide them under other names.
                 outer = tuple(v for v in scope if not v.name.startswith("l"))
                 body = draw(blocks((*outer, variable), depth - 1, in_foreach=True))
                 statements.append(ForEach((variable,), body))
             case "leave":
-                leave = draw(st.sampled_from([Break(), Continue()]))
+                leave = draw(among(LEAVING))
                 statements.append(If(draw(conditions(scope, 1)), (leave,), ()))
             case _:
                 statements.append(draw(assignments(scope, in_foreach=in_foreach)))

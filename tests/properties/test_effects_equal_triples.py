@@ -6,40 +6,22 @@ from itertools import product
 import pytest
 from hypothesis import HealthCheck, event, given, settings
 from hypothesis import strategies as st
-from properties.effects import FEATURES, PARAMETERS, blocks, program
+from properties.effects import PARAMETERS, blocks, program
+from properties.worlds import WORLD, states
 
-from cdlc.ir.pool import Level, Pool
-from cdlc.ir.symbolic import Executor, Layer, NotModelled, Update
+from cdlc.ir.hoare import Model
+from cdlc.ir.nodes import Level
+from cdlc.ir.updates import NotModelled
 from crow.evaluate import EvaluationError, assignments_of, evaluate, execute
 from crow.problem import State, World
-from crow.program import BOOL, Hierarchy, Parameter, Statement, Variable
-from crow.program.types import INT64
-
-OBJECTS = (Parameter("a", PARAMETERS[0].type), Parameter("c", PARAMETERS[2].type))
-
-
-@st.composite
-def states(draw: st.DrawFn, world: World) -> State:
-    """A state with a value for every cell."""
-    cells = {}
-    for feature in FEATURES:
-        for arguments in world.cells(feature):
-            if feature.type == BOOL:
-                value: object = draw(st.booleans())
-            elif feature.type == INT64:
-                value = draw(st.integers(-2, 4))
-            else:
-                value = draw(st.sampled_from(world.objects_of(feature.type)))
-            cells[feature.name, arguments] = value
-    return world.updated(State(), cells)
+from crow.program import Parameter, Statement, Variable
+from crow.program.triples import Update
 
 
 def updates_of(effect: tuple[Statement, ...], level: Level) -> tuple[Update, ...]:
     made = program(effect)
-    pool = Pool(Hierarchy.of(made.types), level)
-    variables = {p.name: pool.variable(p.name, p.type) for p in PARAMETERS}
-    layer = Executor(made, pool).execute(effect, Layer(), variables)
-    return tuple(layer.all_writes())
+    (triple,) = Model(made, level).triples(made.behaviors[0])
+    return triple.post
 
 
 def applied(
@@ -76,18 +58,18 @@ def compare(effect: tuple[Statement, ...], state: State, world: World, level: Le
         assert dict(at_once.cells) == dict(ran.cells), (arguments, effect)
 
 
-WORLD = World.of(program(()), OBJECTS)
+LEVELS = st.sampled_from(Level)
 RELAXED = (HealthCheck.too_slow, HealthCheck.data_too_large)
 
 
-@given(blocks(PARAMETERS, 3), states(WORLD), st.sampled_from([Level.NONE, Level.BASIC]))
+@given(blocks(PARAMETERS, 3), states(), LEVELS)
 @settings(max_examples=500, deadline=None, suppress_health_check=RELAXED)
 def test_effects_equal_triples(effect: tuple[Statement, ...], state: State, level: Level) -> None:
     compare(effect, state, WORLD, level)
 
 
 @pytest.mark.slow
-@given(blocks(PARAMETERS, 4), states(WORLD), st.sampled_from([Level.NONE, Level.BASIC]))
+@given(blocks(PARAMETERS, 4), states(), LEVELS)
 @settings(max_examples=20_000, deadline=None, suppress_health_check=RELAXED)
 def test_many_effects_equal_triples(
     effect: tuple[Statement, ...], state: State, level: Level

@@ -5,15 +5,18 @@ from typing import Any
 import pytest
 from boolean_programs import OBJECTS, STATES, Case, cases
 from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
 from programs import program_of
 
 from cdlc.backends.pddl import to_pddl
 from cdlc.diagnostics import Collector
-from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.hoare import Model
+from cdlc.ir.nodes import Level
+from cdlc.ir.updates import NotModelled
 from crow.evaluate import assignments_of, evaluate
 from crow.problem import Problem, State, World
 from crow.program import BOOL, Constant, Parameter
+from crow.program.triples import Triple
 from crow.program.types import ObjectType
 from crow.transition import Transition, apply
 
@@ -21,6 +24,7 @@ from crow.transition import Transition, apply
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 TRUE = Constant(value=True, type=BOOL)
+LEVELS = st.sampled_from(Level)
 Facts = frozenset[tuple[str, tuple[str, ...]]]
 
 SETTINGS = settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
@@ -50,11 +54,11 @@ def is_applicable(world: World, facts: State, found: Triple, values: dict[str, s
     return all(evaluate(world, facts, part, values) for part in found.pre)
 
 
-def outcomes(case: Case, true: Facts) -> list[tuple[tuple[str, ...], State | None]]:
+def outcomes(case: Case, true: Facts, level: Level) -> list[tuple[tuple[str, ...], State | None]]:
     """For every tuple of arguments the state after `act` by the model, checked by running it."""
     world, state = world_of(case), State(dict.fromkeys(sorted(true), True))
     behavior = world.behaviors["act"]
-    (found,) = Model(world.program).triples(behavior)
+    (found,) = Model(world.program, level).triples(behavior)
     after: list[tuple[tuple[str, ...], State | None]] = []
     for arguments in case.arguments():
         values = dict(zip(case.parameters, arguments, strict=True))
@@ -68,24 +72,26 @@ def outcomes(case: Case, true: Facts) -> list[tuple[tuple[str, ...], State | Non
     return after
 
 
-def check_model(case: Case, true: Facts) -> None:
+def check_model(case: Case, true: Facts, level: Level) -> None:
     try:
-        outcomes(case, true)
+        outcomes(case, true, level)
     except NotModelled as refused:
         raise AssertionError((case.text, refused.construct)) from refused
 
 
-@given(cases(with_body=True), STATES)
+@given(cases(with_body=True), STATES, LEVELS)
 @SETTINGS
-def test_the_model_is_what_running_does(case: Case, true: Facts) -> None:
-    check_model(case, true)
+def test_the_model_is_what_running_does(case: Case, true: Facts, level: Level) -> None:
+    check_model(case, true, level)
 
 
 @pytest.mark.slow
-@given(cases(with_body=True), STATES)
+@given(cases(with_body=True), STATES, LEVELS)
 @MANY
-def test_the_model_is_what_running_does_on_many_programs(case: Case, true: Facts) -> None:
-    check_model(case, true)
+def test_the_model_is_what_running_does_on_many_programs(
+    case: Case, true: Facts, level: Level
+) -> None:
+    check_model(case, true, level)
 
 
 # ------------------------------------------------------------------------------------------- PDDL
@@ -94,7 +100,7 @@ def test_the_model_is_what_running_does_on_many_programs(case: Case, true: Facts
 class Simulated:
     """The emitted task in unified-planning's simulator."""
 
-    def __init__(self, case: Case, true: Facts) -> None:
+    def __init__(self, case: Case, true: Facts, level: Level) -> None:
         from unified_planning.engines.sequential_simulator import UPSequentialSimulator
         from unified_planning.io import PDDLReader
 
@@ -102,7 +108,7 @@ class Simulated:
         initial = State(dict.fromkeys(sorted(true), True))
         problem = Problem("random", world, initial, TRUE)
         found = Collector()
-        model = Model(world.program)
+        model = Model(world.program, level)
         task = to_pddl(model, model.triples(world.behaviors["act"]), problem, found)
         assert task is not None, [d.message() for d in found]
         assert task.problem is not None
@@ -120,11 +126,15 @@ class Simulated:
         (action,) = self.task.actions
         (source,) = action.sources
         values = dict(zip(case.parameters, arguments, strict=True))
-        by_parameter = {
-            c.parameter: values[c.variable.name]
-            for c in source.variables
-            if c.parameter is not None
-        }
+        by_parameter: dict[str, str] = {}
+        for chosen in source.variables:
+            value = values[chosen.variable.name]
+            if chosen.object not in (None, value):
+                return None
+            if chosen.parameter and by_parameter.setdefault(chosen.parameter, value) != value:
+                return None
+        if not all(self.world.is_of(by_parameter[p.name], p.type) for p in action.parameters):
+            return None
         names = [self.task.names.get("object", by_parameter[p.name]) for p in action.parameters]
         objects = [self.pddl.object(name.lower()) for name in names]
         before = self.simulator.get_initial_state()
@@ -145,20 +155,22 @@ class Simulated:
         return State(cells)
 
 
-def check_pddl(case: Case, true: Facts) -> None:
-    simulated = Simulated(case, true)
-    for arguments, model in outcomes(case, true):
+def check_pddl(case: Case, true: Facts, level: Level) -> None:
+    simulated = Simulated(case, true, level)
+    for arguments, model in outcomes(case, true, level):
         assert simulated.after(case, arguments) == model, (case.text, arguments, simulated.task)
 
 
-@given(cases(with_body=True), STATES)
+@given(cases(with_body=True), STATES, LEVELS)
 @settings(UNSHRUNK, max_examples=12)
-def test_the_pddl_is_what_running_does(case: Case, true: Facts) -> None:
-    check_pddl(case, true)
+def test_the_pddl_is_what_running_does(case: Case, true: Facts, level: Level) -> None:
+    check_pddl(case, true, level)
 
 
 @pytest.mark.slow
-@given(cases(with_body=True), STATES)
+@given(cases(with_body=True), STATES, LEVELS)
 @settings(UNSHRUNK, max_examples=400)
-def test_the_pddl_is_what_running_does_on_many_programs(case: Case, true: Facts) -> None:
-    check_pddl(case, true)
+def test_the_pddl_is_what_running_does_on_many_programs(
+    case: Case, true: Facts, level: Level
+) -> None:
+    check_pddl(case, true, level)

@@ -15,10 +15,11 @@ from cdlc.backends.pddl.methods import MethodStep
 from cdlc.backends.pddl.names import Names, imported_name, variable_name
 from cdlc.backends.pddl.normal import NormalTriple, normal
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.pool import Pool
-from cdlc.ir.symbolic import Executor, Update
+from cdlc.ir.symbolic import Executor
 from crow.program import Expression, Object, Parameter, Program, Type, Variable
+from crow.program.triples import Triple, Update
 from crow.program.types import is_object
 
 

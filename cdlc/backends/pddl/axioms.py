@@ -11,9 +11,10 @@ from cdlc.backends.pddl.conditions import Lowering, condition, typed
 from cdlc.backends.pddl.names import Names, variable_name
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.sexpr import SExpr, printed, words
-from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.hoare import Model
+from cdlc.ir.updates import NotModelled
 from crow.program import Annotation, Apply, Behavior, Function, Parameter, Variable
+from crow.program.triples import Triple
 from crow.program.types import is_boolean, is_object
 
 

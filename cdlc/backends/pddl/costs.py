@@ -19,10 +19,11 @@ from cdlc.backends.pddl.numbers import number_text
 from cdlc.backends.pddl.sexpr import SExpr
 from cdlc.ir.behaviors import parts_of
 from cdlc.ir.graph import in_order
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.pool import Pool
 from crow.problem import Problem
 from crow.program import Expression, Feature, Object, Parameter, Read, Variable
+from crow.program.triples import Triple
 from crow.values import default_value
 
 

@@ -11,8 +11,9 @@ from cdlc.backends.pddl.effects import effective_guard
 from cdlc.backends.pddl.sexpr import NotPddl
 from cdlc.ir.graph import in_order
 from cdlc.ir.pool import Pool
-from cdlc.ir.symbolic import Executor, Update
+from cdlc.ir.symbolic import Executor
 from crow.program import And, Arithmetic, Compare, Constant, Expression
+from crow.program.triples import Update
 from crow.program.types import is_number
 
 

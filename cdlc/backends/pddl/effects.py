@@ -8,7 +8,7 @@ from cdlc.backends.pddl.conditions import Lowering, atom, condition, term, typed
 from cdlc.backends.pddl.numbers import assignment
 from cdlc.backends.pddl.sexpr import ALWAYS, NEVER, SExpr
 from cdlc.ir.pool import Pool
-from cdlc.ir.symbolic import Executor, Update
+from cdlc.ir.symbolic import Executor
 from crow.program import (
     And,
     Arithmetic,
@@ -19,6 +19,7 @@ from crow.program import (
     Read,
     Variable,
 )
+from crow.program.triples import Update
 from crow.program.types import is_boolean, is_object
 
 

@@ -25,10 +25,11 @@ from cdlc.backends.pddl.numbers import numeric
 from cdlc.backends.pddl.problems import problem_text
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr, TooLarge, words
 from cdlc.diagnostics import Collector
-from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.hoare import Model
+from cdlc.ir.updates import NotModelled
 from crow.problem import Problem
 from crow.program import Feature, Location, Program
+from crow.program.triples import Triple
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from typing import cast
 from cdlc.backends.pddl.normal import mapped, plain, plain_triple
 from cdlc.backends.pddl.sexpr import NotPddl
 from cdlc.ir.graph import in_order
-from cdlc.ir.hoare import Model, Triple
-from cdlc.ir.symbolic import Update
+from cdlc.ir.hoare import Model
 from crow.problem import Cell, Problem, State, World
 from crow.program import (
     BOOL,
@@ -40,6 +39,7 @@ from crow.program import (
     TypeDefinition,
     Xor,
 )
+from crow.program.triples import Triple, Update
 from crow.program.types import is_integer, is_number
 
 # Names that CDL cannot write, so that they are nobody's.

@@ -12,9 +12,9 @@ from cdlc.backends.pddl.conditions import as_value
 from cdlc.backends.pddl.defined import is_defined
 from cdlc.backends.pddl.sexpr import NotPddl, TooLarge
 from cdlc.ir.graph import in_order, parts
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.pool import Pool
-from cdlc.ir.symbolic import Executor, Update
+from cdlc.ir.symbolic import Executor
 from crow.arithmetic import arithmetic
 from crow.program import (
     And,
@@ -32,6 +32,7 @@ from crow.program import (
     Variable,
 )
 from crow.program.names import fresh_name
+from crow.program.triples import Triple, Update
 from crow.program.types import is_boolean, is_number, is_object
 
 

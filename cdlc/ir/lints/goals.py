@@ -4,9 +4,9 @@ from cdlc.diagnostics import Collector
 from cdlc.ir.behaviors import body_of
 from cdlc.ir.errors import GoalNotEstablished
 from cdlc.ir.graph import in_order
-from cdlc.ir.hoare import Model, Triple
+from cdlc.ir.hoare import Model
 from cdlc.ir.lints.subject import Subject
-from cdlc.ir.symbolic import NotModelled, Update
+from cdlc.ir.updates import NotModelled
 from crow.program import (
     Achieve,
     Apply,
@@ -21,6 +21,7 @@ from crow.program import (
     Statement,
     Variable,
 )
+from crow.program.triples import Triple, Update
 from crow.program.walk import statements_within, subexpressions
 from crow.text import expression_text
 

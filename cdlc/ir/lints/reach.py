@@ -8,8 +8,8 @@ from cdlc.ir.errors import UnmatchedAchieve, UnreachableBehavior
 from cdlc.ir.hoare import Model
 from cdlc.ir.lints.subject import Subject
 from cdlc.ir.matching import may_match
-from cdlc.ir.pool import Level
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.nodes import Level
+from cdlc.ir.updates import NotModelled
 from crow.program import (
     Achieve,
     And,

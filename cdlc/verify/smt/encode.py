@@ -14,7 +14,7 @@ from typing import Any, assert_never
 import z3
 
 from cdlc.ir.graph import in_order, parts
-from cdlc.ir.symbolic import NotModelled
+from cdlc.ir.updates import NotModelled
 from cdlc.verify.smt.arithmetic import (
     in_range,
     operation,

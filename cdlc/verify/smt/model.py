@@ -8,7 +8,6 @@ from typing import Any
 
 import z3
 
-from cdlc.ir.hoare import Triple
 from cdlc.verify.situation import Opaque, Situation, Table, filler
 from cdlc.verify.smt.encode import Encoder
 from cdlc.verify.smt.universe import Few
@@ -24,6 +23,7 @@ from crow.program import (
     Type,
     VectorType,
 )
+from crow.program.triples import Triple
 from crow.program.types import STRING, is_boolean, is_integer, is_number, underlying
 from crow.values import Value
 

@@ -46,9 +46,9 @@ class ProgramFormatError(ValueError):
 
 def encode(program: Program, problem: ProblemStatement | None = None) -> dict[str, Json]:
     """The JSON form of a program and, if given, of one problem for it."""
-    document: dict[str, Json] = {"version": VERSION, "program": _encode(program)}
+    document: dict[str, Json] = {"version": VERSION, "program": encode_value(program)}
     if problem is not None:
-        document["problem"] = _encode(problem)
+        document["problem"] = encode_value(problem)
     return document
 
 
@@ -66,12 +66,13 @@ def decode_problem(document: object) -> ProblemStatement | None:
     Raises ProgramFormatError if the document is not a compiled program of this version.
     """
     if isinstance(document, dict) and "problem" not in document:
-        _check_version(document)
+        checked_version(document)
         return None
     return _decode_part(document, "problem", ProblemStatement)
 
 
-def _check_version(document: object) -> dict[str, Any]:
+def checked_version(document: object) -> dict[str, Any]:
+    """The document, if it is of this version. Raises ProgramFormatError."""
     if not isinstance(document, dict) or "version" not in document:
         raise ProgramFormatError("not a compiled program: no `version` at the top")
     if type(document["version"]) is not int or document["version"] != VERSION:
@@ -82,36 +83,43 @@ def _check_version(document: object) -> dict[str, Any]:
 
 
 def _decode_part(document: object, part: str, expected: type[_T]) -> _T:
-    checked = _check_version(document)
+    checked = checked_version(document)
     if part not in checked:
         raise ProgramFormatError(f"not a compiled program: no `{part}` at the top")
     try:
         annotation: Any = expected
-        value: _T = _decoder(annotation)(checked[part], part)
+        value: _T = decode_value(annotation, checked[part], part)
     except RecursionError:
         raise ProgramFormatError(f"`{part}` is nested too deeply") from None
     return value
 
 
-def _encode(value: object) -> Json:
+def decode_value(annotation: Any, value: object, path: str) -> Any:
+    """A value of an annotated type from its JSON. Raises ProgramFormatError, naming the path."""
+    return _decoder(annotation)(value, path)
+
+
+def encode_value(value: object) -> Json:
+    """The JSON of part of a program."""
     match value:
         case Location():
             return [value.file, value.line, value.column, value.end_line, value.end_column]
         case tuple():
-            return [_encode(item) for item in value]
+            return [encode_value(item) for item in value]
         case None | bool() | int() | float() | str():
             return value
         case _:
             encoded: dict[str, Json] = {"node": type(value).__name__}
-            for field, default in _encoded_fields(cast("Any", type(value))):
+            for field, default in encoded_fields(cast("Any", type(value))):
                 item = getattr(value, field)
                 if item is not default and (default is MISSING or item != default):
-                    encoded[field] = _encode(item)
+                    encoded[field] = encode_value(item)
             return encoded
 
 
 @cache
-def _encoded_fields(cls: Any) -> tuple[tuple[str, object], ...]:
+def encoded_fields(cls: Any) -> tuple[tuple[str, object], ...]:
+    """The fields of a node class with their defaults."""
     return tuple((field.name, field.default) for field in fields(cls))
 
 
