@@ -84,7 +84,9 @@ def test_unfolding_without_end_falls_back_to_axioms() -> None:
 
 
 @needs_planner
-@pytest.mark.parametrize("engine", ["fast-downward", "kairos"])
+@pytest.mark.parametrize(
+    "engine", ["fast-downward", pytest.param("kairos", marks=pytest.mark.slow)]
+)
 def test_engines_plan_with_axioms(engine: str) -> None:
     pytest.importorskip("up_kairos")
     file = EXAMPLES / "cupboard" / "dishes.cdl"
