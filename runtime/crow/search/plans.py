@@ -1,0 +1,122 @@
+"""A finished point of the search as steps and a trace."""
+
+from typing import Any
+
+from crow.plan import Step
+from crow.program import Location
+from crow.program.expressions import Expression
+from crow.search.code import DoOp, Test
+from crow.search.expressions import Environment, Slots
+from crow.search.frames import Context
+from crow.search.points import Point, Trail
+from crow.text import expression_text
+from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
+from crow.problem import World
+from crow.values import Value
+
+
+def variables(slots: Slots, values: Environment) -> dict[str, Value]:
+    """The variables in scope that have a value."""
+    return {name: values[slot] for name, slot in slots.items() if values[slot] is not None}
+
+
+def assert_item(test: Test, values: Environment) -> AssertItem:
+    """An assertion as it stands in a trace."""
+    condition: Expression = test.condition
+    location: Location | None = test.location
+    return AssertItem(condition, variables(test.slots, values), expression_text(condition), location)
+
+
+def events_of(trail: Trail) -> list[Any]:
+    """What was done, from the beginning."""
+    events = []
+    while trail is not None:
+        trail, event, _ = trail
+        events.append(event)
+    events.reverse()
+    return events
+
+
+def plan_of(world: World, point: Point) -> tuple[tuple[Step, ...], Trace]:
+    """The steps and the trace that lead to a point."""
+    events = events_of(point.trail)
+    return _steps(events), tuple(_trace(world, events))
+
+
+def _trace(world: World, events: list[Any]) -> list[TraceItem]:
+    """The items in the order in which they stand: L of members of M at the start of that M."""
+    groups: list[tuple[list[TraceItem], list[TraceItem]]] = [([], [])]
+    in_left = False
+    for event in events:
+        match event:
+            case ("M",):
+                groups.append(([], []))
+            case ("end of M",):
+                left, middle = groups.pop()
+                groups[-1][1].extend((*left, *middle))
+            case ("L",):
+                in_left = True
+            case ("end of L",):
+                in_left = False
+            case _:
+                groups[-1][0 if in_left else 1].extend(_items(world, event))
+    return groups[0][1]
+
+
+def _items(world: World, event: Any) -> tuple[TraceItem, ...]:
+    match event:
+        case ("assert", test, values):
+            return (assert_item(test, values),)
+        case ("do", DoOp(controller=name, location=location), arguments, _):
+            controller = world.controllers[name]
+            item = DoItem(name, arguments, location)
+            if controller.effect is None:
+                return (item,)
+            own = dict(zip((p.name for p in controller.parameters), arguments, strict=True))
+            effect = EffItem(name, controller.effect, controller.parameters, own, location)
+            return item, effect
+        case ("eff", Context(application=application, values=values)):
+            assert application.code is not None
+            code, behavior = application.code, application.code.behavior
+            own = variables(code.effect_slots, values)
+            effect = behavior.effect or ()
+            return (
+                EffItem(behavior.name, effect, behavior.parameters, own, behavior.location),
+            )
+        case _:
+            return ()
+
+
+def _steps(events: list[Any]) -> tuple[Step, ...]:
+    """One step a controller call, and one for an effect that came without any.
+
+    The binds of a behavior are known in full where its R ends.
+    """
+    steps: list[Step | None] = []
+    calls: list[list[tuple[int, DoOp, tuple[Value, ...]]]] = []
+    for event in events:
+        match event:
+            case ("begin",):
+                calls.append([])
+            case ("do", op, arguments, context):
+                steps.append(_step(context, op, arguments))
+                if calls:
+                    calls[-1].append((len(steps) - 1, op, arguments))
+            case ("end", context):
+                own = calls.pop()
+                for index, op, arguments in own:
+                    steps[index] = _step(context, op, arguments)
+                if not own and context.application.code.effect is not None:
+                    steps.append(_step(context, None, ()))
+            case _:
+                pass
+    return tuple(step for step in steps if step is not None)
+
+
+def _step(context: Context, op: DoOp | None, arguments: tuple[Value, ...]) -> Step:
+    application = context.application
+    code = application.code
+    assert code is not None
+    bindings = {n: context.values[s] for n, s in code.bound if context.values[s] is not None}
+    controller = None if op is None else op.controller
+    return Step(code.behavior.name, application.arguments, bindings, controller, arguments)
