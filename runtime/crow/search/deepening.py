@@ -13,6 +13,8 @@ COMMIT: Final = 2
 """A branch was cut by a `commit`."""
 FOUND: Final = 4
 """A plan was found below."""
+HOPELESS: Final = 8
+"""A branch was cut because nothing within the depth limit could make true what it needs."""
 
 
 class Stopped(Exception):  # noqa: N818 - ends the search
@@ -58,15 +60,16 @@ class Search:
         while self.stack:
             self.check()
             entry = self.stack[-1]
-            machine.is_cut = False
+            machine.is_cut = machine.is_hopeless = False
             point = next(entry.options, None)
+            step = None if point is None else machine.run(point)
+            if machine.is_cut:
+                entry.left_out |= DEPTH
+            if machine.is_hopeless:
+                entry.left_out |= HOPELESS
             if point is None:
                 self._leave(self.stack.pop())
                 continue
-            step = machine.run(point)
-            entry = self.stack[-1]  # a commit has ended choices, but never this one's entry
-            if machine.is_cut:
-                entry.left_out |= DEPTH
             if isinstance(step, Choice):
                 self._enter(step, entry)
             elif step is not None:

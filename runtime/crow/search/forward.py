@@ -13,6 +13,7 @@ from crow.search.expressions import Environment
 from crow.search.frames import Context, Frame, Held, Kind, Members, Open, Refined
 from crow.search.members import Focus, Path, Starting, replaced, walk
 from crow.search.points import Choice, Point, Step, holds
+from crow.search.protect import Protection
 from crow.search.states import Snapshot
 from crow.values import Value
 
@@ -28,6 +29,7 @@ class Forward:
     def __init__(self, machine: "Machine") -> None:
         self.machine = machine
         self.shared = machine.shared
+        self.protection = Protection(machine)
 
     def middle(self, point: Point, frame: Frame) -> Step:
         """The members that are left, or the end of M."""
@@ -45,6 +47,11 @@ class Forward:
                 if left is None:
                     return
                 members = left
+            protects = self.machine.protects
+            if protects and self.protection.is_hopeless(point.state, frame, members):
+                self.machine.is_hopeless = True
+                self.machine.counters.hopeless += 1
+                return
         here = _Place(self, point, frame, members)
         for path, member, is_free in walk(members, focus):
             if isinstance(member, Open):
@@ -69,7 +76,7 @@ class Forward:
             left = replaced(self.shared, members, path, None)
             told = point.told(("assert", test, member.values))
             completed = told.at(self._frame(frame, left, None), None)
-            if isinstance(member.what, Test):
+            if not self._may_be_refined(member):
                 yield completed, None
                 return
             must = (member.what, member.values, member.application, member.depth, member.after)
@@ -86,6 +93,12 @@ class Forward:
                 test = null_test(member)
                 if test is not None and holds(test, point.state, member.values):
                     yield path, member, test
+
+    def _may_be_refined(self, member: Open) -> bool:
+        """Whether a condition that is true may also be achieved, which goes one deeper."""
+        if isinstance(member.what, Test | Opaque):
+            return False
+        return self.machine.within(member.depth + 1)
 
     def _frame(self, frame: Frame, members: Members, focus: Focus | None) -> Frame:
         return self.shared.frame(Kind.MIDDLE, frame.next, frame.first, members, focus)

@@ -50,6 +50,7 @@ class Counters:
 
     nodes: int = 0
     cut_by_depth: int = 0
+    hopeless: int = 0
     effects: int = 0
 
 
@@ -65,8 +66,10 @@ class Machine:
         self.programs = Programs(problem, self.store)
         self.shared = Shared()
         self.prunes = prunes
+        self.protects = prunes
         self.depth_limit = 0
         self.is_cut = False
+        self.is_hopeless = False
         self.counters = Counters()
         self.dead = Dead()
         self.height: Callable[[], int] = lambda: 0
