@@ -129,8 +129,9 @@ def _value(
         match statement:
             case Return(value=value):
                 return substitute(value, values)
-            case Let(variable=Parameter(name=name), value=value) | SetLocal(
-                variable=name, value=value
+            case (
+                Let(variable=Parameter(name=name), value=value)
+                | SetLocal(variable=name, value=value)
             ):
                 values[name] = substitute(value, values)
             case ForRange(variable=variable):

@@ -50,9 +50,7 @@ class Matching:
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self.goals = [
-            (b, plain(b.goal)) for b in world.program.behaviors if b.goal is not None
-        ]
+        self.goals = [(b, plain(b.goal)) for b in world.program.behaviors if b.goal is not None]
 
     def alternatives(
         self, wanted: Expression, evaluate: Evaluate
@@ -161,7 +159,7 @@ class Matching:
         ]
         return product(*choices)
 
-    # ------------------------------------------------------------------------------- what no goal is
+    # ------------------------------------------------------------------------------ what no goal is
 
     def writers(self, wanted: Expression) -> tuple[Behavior, ...]:
         """The behaviors whose effects write a feature that a comparison reads."""
@@ -174,12 +172,10 @@ class Matching:
         return {b.name: frozenset(self._written(b)) for b in self.world.program.behaviors}
 
     def _written(self, behavior: Behavior) -> Iterator[str]:
-        effects = [behavior.effect or ()]
-        for statement in statements_within(behavior.body):
-            if isinstance(statement, Do):
-                effects.append(self.world.controllers[statement.controller].effect or ())
+        calls = [s.controller for s in statements_within(behavior.body) if isinstance(s, Do)]
+        effects = [behavior.effect, *(self.world.controllers[name].effect for name in calls)]
         for effect in effects:
-            for statement in statements_within(effect):
+            for statement in statements_within(effect or ()):
                 if isinstance(statement, Assign):
                     yield statement.feature
 

@@ -4,7 +4,7 @@ It chooses from the end: a statement that may be the last one, after everything 
 result is a state, the values of the variables, and a trace.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 from crow.conditions import Wanted, is_opaque
@@ -67,17 +67,16 @@ Trace = tuple[tuple[TraceItem, Application], ...]
 Result = tuple[State, Values, Trace]
 
 
-class NodeLimit(Exception):  # noqa: N818 - ends the enumeration
-    """More nodes than allowed."""
-
-
 @dataclass(slots=True)
 class Refinement:
-    """The refinements of one world's programs up to a depth; `is_cut` if there are deeper ones."""
+    """The refinements of one world's programs up to a depth; `is_cut` if there are deeper ones.
+
+    `check` is called with each node and may raise.
+    """
 
     world: World
     depth: int
-    node_limit: int | None = None
+    check: Callable[[], None] = field(default=lambda: None)
     nodes: int = 0
     is_cut: bool = False
     has_committed: bool = False
@@ -132,12 +131,13 @@ class Refinement:
 
     def _count(self) -> None:
         self.nodes += 1
-        if self.node_limit is not None and self.nodes > self.node_limit:
-            raise NodeLimit
+        self.check()
 
     # ------------------------------------------------------------------------------------------ M
 
-    def _started(self, middle: Order, state: State, values: Values) -> Iterator[tuple[Order, Values]]:
+    def _started(
+        self, middle: Order, state: State, values: Values
+    ) -> Iterator[tuple[Order, Values]]:
         """M when it starts, in each way; its conditions are held for the R of its behavior."""
         known = {id(leaf) for leaf in leaves(middle)}
         try:
@@ -438,9 +438,7 @@ class Refinement:
         except EvaluationError:
             return [], False
 
-    def _called(
-        self, node: Call, frame: Frame, state: State, values: Values
-    ) -> Apply:
+    def _called(self, node: Call, frame: Frame, state: State, values: Values) -> Apply:
         arguments = tuple(self.programs.value(a, frame, state, values) for a in node.arguments)
         behavior = self.world.behaviors[node.behavior]
         return Apply(behavior, arguments, frame, frame.application.depth)

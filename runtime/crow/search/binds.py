@@ -34,9 +34,7 @@ def candidates(programs: "Programs", node: Bind, test: Test | None, slots: Slots
         if test is None:
             return list(found)
         before, after = values[:first], values[first + len(names) :]
-        return [
-            chosen for chosen in found if _holds(test, state, (*before, *chosen, *after))
-        ]
+        return [chosen for chosen in found if _holds(test, state, (*before, *chosen, *after))]
 
     return choices
 
@@ -86,12 +84,12 @@ class Indexed:
             if isinstance(a, Object) or (isinstance(a, Variable) and a.name not in self.names)
         ]
 
-    def _enumerated(
-        self, read: Read
-    ) -> Callable[[Snapshot, Environment], list[tuple[Value, ...]]]:
+    def _enumerated(self, read: Read) -> Callable[[Snapshot, Environment], list[tuple[Value, ...]]]:
         store, feature = self.programs.store, read.feature
         fixed = self._fixed(read)
-        known = self.programs.compiler.expression(read.arguments[fixed[0]], self.slots) if fixed else None
+        known = None
+        if fixed:
+            known = self.programs.compiler.expression(read.arguments[fixed[0]], self.slots)
         places = [self._place(read, name) for name in self.names]
 
         def rows(state: Snapshot, values: Environment) -> list[tuple[Value, ...]]:
@@ -106,8 +104,10 @@ class Indexed:
 
     def _place(self, read: Read, name: str) -> int | None:
         """Where a variable of the bind stands in a feature, if it does."""
-        same = (i for i, a in enumerate(read.arguments) if isinstance(a, Variable) and a.name == name)
-        return next(same, None)
+        for index, argument in enumerate(read.arguments):
+            if isinstance(argument, Variable) and argument.name == name:
+                return index
+        return None
 
     def _ordered(
         self, found: Iterator[tuple[str, ...]], places: list[int | None]

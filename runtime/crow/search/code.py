@@ -6,7 +6,6 @@ Every instruction is one object of its own, compared by identity; variables are 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-
 from crow.program import Behavior, Expression, Location, Statement
 from crow.search.effects import Effect
 from crow.search.expressions import Compiled, Environment, Slots
@@ -219,5 +218,3 @@ class Code:
     bound: tuple[tuple[str, int], ...] = ()
     middle_acts: bool = False
     commits: tuple[bool, bool] = (False, False)
-
-

@@ -1,7 +1,6 @@
 """Behaviors of one world to the instructions of the CROW engine."""
 
 from collections.abc import Callable
-
 from itertools import product
 
 from crow.conditions import Wanted as Conditions
@@ -85,9 +84,7 @@ class Programs:
             controller = self.world.controllers[name]
             slots = {p.name: i for i, p in enumerate(controller.parameters)}
             effect = controller.effect
-            self._controllers[name] = (
-                None if effect is None else self.effects.effect(effect, slots)
-            )
+            self._controllers[name] = None if effect is None else self.effects.effect(effect, slots)
         return self._controllers[name]
 
 
@@ -156,7 +153,8 @@ class _Body:
             case Assert(condition=condition):
                 return code.AssertOp(self.test(condition, slots, node.location), has_effect)
             case Achieve(condition=condition, once=once):
-                wanted = self.wanted(self.programs.conditions.normal(condition), slots, node.location)
+                normal = self.programs.conditions.normal(condition)
+                wanted = self.wanted(normal, slots, node.location)
                 test = self.test(condition, slots, node.location)
                 return code.AchieveOp(wanted, test, has_effect and not once)
             case Do(controller=name):
@@ -248,9 +246,7 @@ class _Body:
         """A condition, compiled."""
         return Test(self.value(node, slots), node, slots, location or node.location)
 
-    def wanted(
-        self, node: Expression, slots: Slots, location: Location | None = None
-    ) -> Wanted:
+    def wanted(self, node: Expression, slots: Slots, location: Location | None = None) -> Wanted:
         """A condition in normal form as something to achieve."""
         test = self.test(node, slots, location)
         acts = self.programs.reach.wanting(node)
@@ -315,9 +311,6 @@ def _parts(node: Expression) -> list[Expression]:
             return list(arguments)
         case _:
             return []
-
-
-
 
 
 def _commits(statements: tuple[Statement, ...]) -> bool:

@@ -17,14 +17,6 @@ HOPELESS: Final = 8
 """A branch was cut because nothing within the depth limit could make true what it needs."""
 
 
-class Stopped(Exception):  # noqa: N818 - ends the search
-    """A limit was reached: `reason` is nodes, time or cancelled."""
-
-    def __init__(self, reason: str) -> None:
-        super().__init__(reason)
-        self.reason = reason
-
-
 @dataclass(slots=True)
 class Entry:
     """A choice on the way to the current point; `left_out` says what was cut below it."""
@@ -37,7 +29,7 @@ class Entry:
 class Search:
     """One search: what it remembers lasts from round to round.
 
-    `check` is called again and again and may raise Stopped.
+    `check` is called again and again and may raise.
     """
 
     def __init__(self, machine: Machine, check: Callable[[], None]) -> None:

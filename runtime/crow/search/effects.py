@@ -41,9 +41,7 @@ class Effects:
         def value(node: Expression) -> Any:
             return self.compiler.expression(node, slots)
 
-        writes = [
-            (s.feature, tuple(map(value, s.arguments)), value(s.value)) for s in statements
-        ]
+        writes = [(s.feature, tuple(map(value, s.arguments)), value(s.value)) for s in statements]
         after = self.store.after
 
         def effect(state: Snapshot, values: Environment) -> Snapshot:

@@ -58,9 +58,10 @@ class Compiler:
         """A function for the value of an expression; it may raise EvaluationError."""
         names = {name: f"E[{slot}]" for name, slot in slots.items()}
         try:
-            return self._compiled("S, E", self._source(node, names))
+            compiled: Compiled = self._compiled("S, E", self._source(node, names))
         except (SyntaxError, RecursionError, MemoryError):
-            return self._compiled("S, E", self._interpreted(node, names))
+            compiled = self._compiled("S, E", self._interpreted(node, names))
+        return compiled
 
     def _compiled(self, parameters: str, source: str) -> Any:
         lines = f"def compiled({parameters}):\n D = S.delta\n B = S.base\n return {source}\n"

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from crow.evaluate import EvaluationError
 from crow.search.code import AllOf, Atom, CallOp, Code, OneOf, Opaque, Test
-from crow.search.expressions import Environment
 from crow.search.frames import Context, Frame, Held, Kind, Members, Open, Refined
 from crow.search.members import Focus, Path, Starting, replaced, walk
 from crow.search.points import Choice, Point, Step, holds
@@ -79,10 +78,7 @@ class Forward:
             if not self._may_be_refined(member):
                 yield completed, None
                 return
-            must = (member.what, member.values, member.application, member.depth, member.after)
-            members = replaced(
-                self.shared, members, path, self.shared.member(Open, *must, False)
-            )
+            members = replaced(self.shared, members, path, self.shared.tried(member))
             yield completed, members
 
     def _silent(
@@ -195,8 +191,8 @@ class _Place:
                     yield self._opened(path, parts, checks, is_free=is_free)
             case OneOf():
                 for part, own in choices(what, values):
-                    kept = (member.application, member.depth, member.after, True)
-                    chosen = self.shared.member(Open, part, own, *kept)
+                    above, depth = member.application, member.depth
+                    chosen = self.shared.open(part, own, above, depth, member.after)
                     self.machine.counters.nodes += 1
                     members = replaced(self.shared, self.members, path, chosen)
                     yield self._at(members, (path, is_free))
@@ -211,7 +207,7 @@ class _Place:
     def _opened(self, path: Path, children: Members, after: Held, *, is_free: bool) -> Point:
         """A member refined to other members, with assertions behind them."""
         self.machine.counters.nodes += 1
-        refined = self.shared.member(Refined, None, children, after)
+        refined = self.shared.refined(None, children, after)
         return self._at(replaced(self.shared, self.members, path, refined), (path, is_free))
 
     def _atom(self, path: Path, member: Open, atom: Atom, *, is_free: bool) -> Iterator[Point]:
@@ -226,13 +222,14 @@ class _Place:
             if not is_step:
                 yield from self._refined(path, member, applied, is_free=is_free)
             elif self.machine.within(member.depth + 1):
-                yield self._opened(path, self._step(member, applied), _after(member), is_free=is_free)
+                steps = self._step(member, applied)
+                yield self._opened(path, steps, _after(member), is_free=is_free)
 
     def _step(self, member: Open, applied: Applied) -> Members:
         """A behavior on the way to a comparison, and the comparison again."""
         values, above, depth = member.values, member.application, member.depth
-        first = self.shared.member(Open, applied, values, above, depth, None, True)
-        again = self.shared.member(Open, member.what, values, above, depth + 1, None, True)
+        first = self.shared.open(applied, values, above, depth)
+        again = self.shared.open(member.what, values, above, depth + 1)
         return ((first, again),)
 
     def _refined(
@@ -272,7 +269,7 @@ class _Place:
         for children, held in started:
             own = self.shared.context(context.application, context.values, context.held + held)
             if children:
-                refined = self.shared.member(Refined, own, children, after)
+                refined = self.shared.refined(own, children, after)
                 members = replaced(self.shared, self.members, path, refined)
                 yield self._at(members, (path, is_free))
             elif is_free:

@@ -3,8 +3,7 @@
 So a configuration of the search, state, context and remainder, is compared and hashed by identity.
 """
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum, auto
 from typing import Any, TypeVar
 
@@ -38,7 +37,7 @@ class Context:
     held: Held
 
 
-# --------------------------------------------------------------------------- members of M, as a tree
+# -------------------------------------------------------------------------- members of M, as a tree
 
 
 @dataclass(slots=True, eq=False)
@@ -53,8 +52,8 @@ class Open:
     values: Environment
     application: Application
     depth: int
-    after: Test | None
-    may_be_null: bool
+    after: Test | None = None
+    may_be_null: bool = True
 
 
 @dataclass(slots=True, eq=False)
@@ -134,14 +133,14 @@ class Frame:
     next: "Frame | None"
 
 
-_T = TypeVar("_T")
+_T = TypeVar("_T", Open, Nested, Refined)
 
 
 class Shared:
     """Makes equal data one object."""
 
     def __init__(self) -> None:
-        self._known: dict[Hashable, Any] = {}
+        self._known: dict[Any, Any] = {}
 
     def application(
         self,
@@ -155,7 +154,7 @@ class Shared:
         found = self._known.get(key)
         if found is None:
             found = self._known[key] = Application(code, arguments, depth, nested)
-        return found  # type: ignore[no-any-return]
+        return found
 
     def context(self, application: Application, values: Environment, held: Held) -> Context:
         """A context."""
@@ -163,7 +162,7 @@ class Shared:
         found = self._known.get(key)
         if found is None:
             found = self._known[key] = Context(application, values, held)
-        return found  # type: ignore[no-any-return]
+        return found
 
     def frame(
         self, kind: Kind, following: Frame | None, first: Any = None, second: Any = None,
@@ -174,12 +173,28 @@ class Shared:
         found = self._known.get(key)
         if found is None:
             found = self._known[key] = Frame(kind, first, second, third, following)
-        return found  # type: ignore[no-any-return]
+        return found
 
-    def member(self, member: type[_T], *parts: Any) -> _T:
-        """A member of M."""
-        key = (member, parts)
-        found = self._known.get(key)
-        if found is None:
-            found = self._known[key] = member(*parts)
-        return found  # type: ignore[no-any-return]
+    def open(
+        self, what: Any, values: Environment, application: Application, depth: int,
+        after: Test | None = None,
+    ) -> Open:  # fmt: skip
+        """A member that is not refined yet."""
+        return self._member(Open(what, values, application, depth, after))
+
+    def tried(self, member: Open) -> Open:
+        """A member that may not be null any more."""
+        return self._member(replace(member, may_be_null=False))
+
+    def nested(self, members: Members) -> Nested:
+        """A group within a chain."""
+        return self._member(Nested(members))
+
+    def refined(self, context: Context | None, children: Members, after: Held) -> Refined:
+        """A refined member."""
+        return self._member(Refined(context, children, after))
+
+    def _member(self, member: _T) -> _T:
+        key = (type(member), *(getattr(member, name) for name in member.__slots__))
+        found: _T = self._known.setdefault(key, member)
+        return found

@@ -5,7 +5,7 @@ to do as data, so that no depth of a program meets a limit of Python's stack.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from crow.evaluate import EvaluationError
 from crow.problem import Problem
@@ -35,7 +35,7 @@ from crow.search.code import (
 from crow.search.compile import Programs
 from crow.search.expressions import Environment
 from crow.search.forward import Forward
-from crow.search.frames import Application, Context, Frame, Kind, Members, Open, Shared
+from crow.search.frames import Application, Context, Frame, Kind, Members, Shared
 from crow.search.members import Starting, with_slots
 from crow.search.points import Choice, Dead, Point, Step, extended, holds
 from crow.search.states import Store
@@ -155,9 +155,7 @@ class Machine:
                 self.shared.frame(
                     Kind.RESTORE,
                     frame.next,
-                    self.shared.context(
-                        context.application, context.values, context.held + held
-                    ),
+                    self.shared.context(context.application, context.values, context.held + held),
                 ),
                 acts=code.middle_acts,
             )
@@ -257,9 +255,7 @@ class Machine:
         frame = self.section(code.right, frame, commits=code.commits[1])
         return self.shared.frame(Kind.BEGIN, frame)
 
-    def section(
-        self, block: Block, following: Frame | None, *, commits: bool
-    ) -> Frame | None:
+    def section(self, block: Block, following: Frame | None, *, commits: bool) -> Frame | None:
         """The frames of an L or R."""
         if not commits:
             return self.block(block, following)
@@ -354,13 +350,10 @@ class Machine:
             self.counters.cut_by_depth += 1
         return depth <= self.depth_limit
 
-    def parts(
-        self, wanted: AllOf, values: Environment, above: Application, depth: int
-    ) -> Members:
+    def parts(self, wanted: AllOf, values: Environment, above: Application, depth: int) -> Members:
         """The conjuncts of a condition as members of M."""
         return tuple(
-            (self.shared.member(Open, part, own, above, depth, None, True),)
-            for part, own in choices(wanted, values)
+            (self.shared.open(part, own, above, depth),) for part, own in choices(wanted, values)
         )
 
     # ------------------------------------------------------------------------------- instructions

@@ -70,23 +70,23 @@ class Starting:
 
     def _leaf(self, op: Op, values: Environment) -> Started:
         depth = self.application.depth
+        held: Held = ()
         match op:
             case AssertOp(test=test, is_held=is_held):
-                own = (test, values, self.application, depth, None, True)
+                member = self.shared.open(test, values, self.application, depth)
                 held = ((test, values),) if is_held else ()
             case AchieveOp(wanted=wanted, test=test, is_held=is_held):
                 after = test if is_held else None
-                own = (wanted, values, self.application, depth, after, True)
+                member = self.shared.open(wanted, values, self.application, depth, after)
                 held = ((test, values),) if is_held else ()
             case CallOp():
-                own = (op, values, self.application, depth, None, True)
-                held = ()
+                member = self.shared.open(op, values, self.application, depth)
             case _:
                 raise AssertionError(f"{type(op).__name__} in M")
-        return ((self.shared.member(Open, *own),),), held
+        return ((member,),), held
 
     def _sequence(self, body: tuple[Op, ...], values: Environment) -> list[Started]:
-        results = []
+        results: list[Started] = []
         for parts in product(*(self.members(op, values) for op in body)):
             chain: list[Member] = []
             held: Held = ()
@@ -95,7 +95,7 @@ class Starting:
                 if len(members) == 1:
                     chain.extend(members[0])
                 elif members:
-                    chain.append(self.shared.member(Nested, members))
+                    chain.append(self.shared.nested(members))
             results.append(((tuple(chain),) if chain else (), held))
         return results
 
@@ -111,6 +111,7 @@ class Starting:
 
 
 def with_slots(values: Environment, slots: tuple[int, ...], chosen: Environment) -> Environment:
+    """The values with some slots filled."""
     changed = list(values)
     for slot, value in zip(slots, chosen, strict=True):
         changed[slot] = value
@@ -184,8 +185,8 @@ def replaced(shared: Shared, members: Members, path: Path, new: Member | None) -
         above_chain, above_place = path[depth - 1]
         above = groups[depth - 1][above_chain][above_place]
         if isinstance(above, Nested):
-            new = shared.member(Nested, group) if group else None
+            new = shared.nested(group) if group else None
         else:
             assert isinstance(above, Refined)
-            new = shared.member(Refined, above.context, group, above.after)
+            new = shared.refined(above.context, group, above.after)
     raise AssertionError("an empty path")

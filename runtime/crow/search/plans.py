@@ -3,15 +3,13 @@
 from typing import Any
 
 from crow.plan import Step
-from crow.program import Location
-from crow.program.expressions import Expression
+from crow.problem import World
 from crow.search.code import DoOp, Test
 from crow.search.expressions import Environment, Slots
 from crow.search.frames import Context
 from crow.search.points import Point, Trail
 from crow.text import expression_text
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
-from crow.problem import World
 from crow.values import Value
 
 
@@ -22,9 +20,8 @@ def variables(slots: Slots, values: Environment) -> dict[str, Value]:
 
 def assert_item(test: Test, values: Environment) -> AssertItem:
     """An assertion as it stands in a trace."""
-    condition: Expression = test.condition
-    location: Location | None = test.location
-    return AssertItem(condition, variables(test.slots, values), expression_text(condition), location)
+    known = variables(test.slots, values)
+    return AssertItem(test.condition, known, expression_text(test.condition), test.location)
 
 
 def events_of(trail: Trail) -> list[Any]:
@@ -79,10 +76,8 @@ def _items(world: World, event: Any) -> tuple[TraceItem, ...]:
             assert application.code is not None
             code, behavior = application.code, application.code.behavior
             own = variables(code.effect_slots, values)
-            effect = behavior.effect or ()
-            return (
-                EffItem(behavior.name, effect, behavior.parameters, own, behavior.location),
-            )
+            body = behavior.effect or ()
+            return (EffItem(behavior.name, body, behavior.parameters, own, behavior.location),)
         case _:
             return ()
 

@@ -61,7 +61,7 @@ Step = Point | Choice | None
 class Dead:
     """The dead end that came last: what failed, where, and in which state."""
 
-    __slots__ = ("depth", "reason", "test", "values", "state", "location")
+    __slots__ = ("depth", "reason", "state", "test", "values")
 
     def __init__(self) -> None:
         self.depth = -1

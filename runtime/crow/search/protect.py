@@ -159,8 +159,7 @@ class Protection:
         settled = {n: v for n, v in known.items() if n not in declared or v is not None}
         effect = self.writers.effect(behavior.effect, settled)
         features = right.keys() | effect.keys()
-        nothing: frozenset[object] = frozenset()
-        return {f: right.get(f, nothing) | effect.get(f, nothing) for f in features}  # type: ignore[operator]
+        return {f: right.get(f, frozenset()) | effect.get(f, frozenset()) for f in features}
 
 
 def _nodes(members: Members) -> Iterator[tuple[Path, Open | Refined]]:

@@ -11,7 +11,7 @@ from crow.values import Value, default_value
 class Snapshot:
     """A state: the cells of `base` but for those in `delta`. Equal states are identical."""
 
-    __slots__ = ("base", "delta", "_cells")
+    __slots__ = ("_cells", "base", "delta")
 
     def __init__(self, base: dict[Cell, Value], delta: dict[Cell, Value]) -> None:
         self.base = base
@@ -69,9 +69,9 @@ class Store:
         """Arguments of the true cells of a feature; with others, as `rows`."""
         for rows in self._index(feature, 0).values():
             yield from rows
-        yield from (
-            arguments for (name, arguments), value in state.delta.items() if name == feature and value
-        )
+        for (name, arguments), value in state.delta.items():
+            if name == feature and value:
+                yield arguments
 
     def _index(self, feature: str, position: int) -> dict[str, list[tuple[str, ...]]]:
         found = self._indexes.get((feature, position))

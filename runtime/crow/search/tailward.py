@@ -141,11 +141,11 @@ class _Last:
             case (Code() as code, arguments):
                 yield from self._applied(code, arguments, member)
             case AllOf(test=test):
-                parts = self.machine.parts(what, values, member.application, member.depth)
+                members = self.machine.parts(what, values, member.application, member.depth)
                 yield from self._null(test, values)
-                if parts:
+                if members:
                     self.machine.counters.nodes += 1
-                    yield self._with(self.left + parts, (test, values), *after)
+                    yield self._with(self.left + members, (test, values), *after)
             case OneOf(test=test):
                 yield from self._null(test, values)
                 for part, own in choices(what, values):
@@ -175,14 +175,12 @@ class _Last:
             elif self.machine.within(member.depth + 1):
                 above, depth = member.application, member.depth
                 applied = (code, arguments)
-                first = self.shared.member(Open, applied, values, above, depth, None, True)
-                again = self.shared.member(Open, atom, values, above, depth + 1, None, True)
+                first = self.shared.open(applied, values, above, depth)
+                again = self.shared.open(atom, values, above, depth + 1)
                 after = () if member.after is None else ((member.after, member.values),)
                 yield self._with((*self.left, (first, again)), *after)
 
-    def _applied(
-        self, code: Code, arguments: tuple[Value, ...], member: Open
-    ) -> Iterator[Point]:
+    def _applied(self, code: Code, arguments: tuple[Value, ...], member: Open) -> Iterator[Point]:
         self.machine.counters.nodes += 1
         application = self.machine.application(code, arguments, member.application, member.depth)
         if application is None:

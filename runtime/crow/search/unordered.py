@@ -123,9 +123,7 @@ def _chains(op: UnorderedOp, values: Environment) -> Chains:
     return tuple(chain for chain in found if chain is not None)
 
 
-def _settled(
-    values: Environment, rest: Block, *, is_last: bool = False
-) -> Chain | None:
+def _settled(values: Environment, rest: Block, *, is_last: bool = False) -> Chain | None:
     """A chain from its first real statement on; None when there is none."""
     while rest:
         op = rest[0]
@@ -150,10 +148,9 @@ def _steps(chains: Chains) -> Iterator[tuple[Op, Environment, Chains]]:
         before, after = chains[:index], chains[index + 1 :]
         for op, values, left in _heads(chain):
             rest = before + after if left is None else (*before, left, *after)
-            if isinstance(op, CommitOp) and chain.is_last and not (left and _commits(left)):
-                if any(_commits(other) for other in before + after):
-                    continue
-            yield op, values, rest
+            ends = isinstance(op, CommitOp) and chain.is_last and not (left and _commits(left))
+            if not (ends and any(map(_commits, before + after))):
+                yield op, values, rest
 
 
 def _heads(chain: Chain) -> Iterator[tuple[Op, Environment, Chain | None]]:
@@ -190,9 +187,7 @@ def _filled(chains: Chains, values: Environment, new: dict[int, object]) -> Chai
                 found.append(settled)
         else:
             kept = with_slots(chain.values, slots, own) if new else chain.values
-            found.append(
-                chain._replace(values=kept, group=_filled(chain.group, values, new))
-            )
+            found.append(chain._replace(values=kept, group=_filled(chain.group, values, new)))
     return tuple(found)
 
 

@@ -67,8 +67,10 @@ class Writers:
     @cached_property
     def everything(self) -> Writes:
         """Any write at all."""
-        anything = {f.name: (tuple(None for _ in f.parameters), None) for f in self.world.program.features}
-        return {name: frozenset((one,)) for name, one in anything.items()}
+        return {
+            f.name: frozenset(((tuple(None for _ in f.parameters), None),))
+            for f in self.world.program.features
+        }
 
     def condition(self, condition: Expression, names: Names, depth: int) -> Writes:
         """What achieving a condition in normal form may write within a depth."""
@@ -153,12 +155,13 @@ class Writers:
                 return
 
     def _comparing(self, condition: Compare) -> Iterator[tuple[Behavior, Pattern]]:
-        wanted = {_name(s) for s in (condition.left, condition.right) if isinstance(s, Read | Apply)}
+        sides = (condition.left, condition.right)
+        wanted = {_name(side) for side in sides if isinstance(side, Read | Apply)}
         found = list(self.matching.writers(condition))
         for behavior, goal in self.matching.goals:
             if isinstance(goal, Compare):
-                sides = (goal.left, goal.right)
-                if wanted & {_name(s) for s in sides if isinstance(s, Read | Apply)}:
+                own = (goal.left, goal.right)
+                if wanted & {_name(side) for side in own if isinstance(side, Read | Apply)}:
                     found.append(behavior)
         for behavior in found:
             yield behavior, tuple(None for _ in behavior.parameters)
