@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from operator import is_
 from typing import Any
 
 
@@ -51,12 +52,16 @@ def tail(order: Order) -> Iterator[Leaf]:
 
 
 def without(order: Order, leaf: Leaf) -> Order:
-    """The order with one statement taken out."""
+    """The order with one statement taken out, and with it what is empty."""
     if order is leaf:
         return EMPTY
     if isinstance(order, Leaf):
         return order
-    return type(order)(tuple(without(part, leaf) for part in order.parts))
+    parts = [without(part, leaf) for part in order.parts]
+    filled = tuple(part for part in parts if isinstance(part, Leaf) or part.parts)
+    if len(filled) == len(order.parts) and all(map(is_, filled, order.parts)):
+        return order
+    return type(order)(filled)
 
 
 def leaves(order: Order) -> Iterator[Leaf]:
