@@ -146,7 +146,9 @@ class Planning:
         return Unsolvable(self.name, **self._told())
 
     def _limit(self, *limits: str) -> Result:
-        return LimitReached(self.name, limits=limits, **self._told())
+        told = self._told()
+        told["statistics"]["limits"] = list(limits)
+        return LimitReached(self.name, limits=limits, **told)
 
     def _stopped(self, reason: str) -> Result:
         match reason:

@@ -141,7 +141,13 @@ class Maker:
             return [called]
         if depth and kind < 15:
             word = self.rng.choice(
-                ["unordered:", "sequential:", "alternative:", "foreach", f"if {self.literal(scope)}:"]
+                [
+                    "unordered:",
+                    "sequential:",
+                    "alternative:",
+                    "foreach",
+                    f"if {self.literal(scope)}:",
+                ]
             )
             inner = list(scope)
             if word == "foreach":
@@ -234,7 +240,10 @@ class Maker:
             inner = ", ".join(f"x{i}: T" for i in range(arity))
             lines.append(f"feature {name}({inner})")
         lines += ["feature [[min=0, max=2]] n() -> int64", "feature at(x: T) -> T"]
-        lines += ["def some(x: T) -> bool:", f"  return {self.condition(['x'])}".replace("some", "q")]
+        lines += [
+            "def some(x: T) -> bool:",
+            f"  return {self.condition(['x'])}".replace("some", "q"),
+        ]
         lines += ["controller c(x: T)", "controller d(x: T):", "  eff:"]
         lines += [f"    {line}" for line in self.effect(None, ["x"])]
         for index in range(len(self.arities)):
