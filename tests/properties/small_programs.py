@@ -154,6 +154,8 @@ class Maker:
                 self.names += 1
                 inner.append(f"e{self.names}")
                 word = f"foreach e{self.names}: T:"
+            if word == "alternative:":  # what one choice declares, another cannot see
+                return [word, *(f"  {self.achieve(inner)}" for _ in range(2))]
             block = self.statements(index, inner, self.rng.randrange(1, 3), depth - 1)
             return [word, *(f"  {line}" for line in block)]
         return [self.achieve(scope)]
@@ -197,7 +199,7 @@ class Maker:
         parameters = [f"{name}: T" for name in scope]
         has_goal = self.chance(0.93)
         if "k" in goal.split():
-            if has_goal and not index in self.called:
+            if has_goal and index not in self.called:
                 parameters.append("k: int64")
             else:
                 goal, written = "r()", "r[...] = True"

@@ -239,7 +239,6 @@ class _Place:
         code, arguments = applied
         if not is_free and code.middle is None:
             return
-        self.machine.counters.nodes += 1
         application = self.machine.application(code, arguments, member.application, member.depth)
         if application is None:
             return

@@ -175,7 +175,9 @@ class Machine:
         return point.at(frame, None).told(("M",))
 
     def _begin(self, point: Point, frame: Frame) -> Step:
-        return point.at(frame.next, point.context).told(("begin",))
+        assert point.context is not None
+        begin = ("begin", point.context.application)
+        return point.at(frame.next, point.context).told(begin)
 
     def _end(self, point: Point, frame: Frame) -> Step:
         """R ends: what is held is asserted again, and the effect changes the state."""
@@ -240,6 +242,7 @@ class Machine:
             self.is_cut = True
             self.counters.cut_by_depth += 1
             return None
+        self.counters.nodes += 1
         return self.shared.application(code, arguments, depth + 1, nested)
 
     def context(self, application: Application) -> Context:
@@ -272,14 +275,15 @@ class Machine:
         following: Frame | None,
     ) -> Point | None:
         """The point at which a behavior begins that stands in L or R."""
-        self.counters.nodes += 1
         application = self.application(code, arguments, above, depth)
         if application is None:
             return None
         frame: Frame | None = self.right(code, following)
         if code.middle is not None:
             frame = self.shared.frame(Kind.START, frame)
-        frame = self.section(code.left, frame, commits=code.commits[0])
+        if code.left:
+            point = point.told(("left", application))
+            frame = self.section(code.left, frame, commits=code.commits[0])
         return point.at(frame, self.context(application))
 
     def _apply_frame(self, point: Point, frame: Frame) -> Step:

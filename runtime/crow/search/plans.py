@@ -6,11 +6,14 @@ from crow.plan import Step
 from crow.problem import World
 from crow.search.code import DoOp, Test
 from crow.search.expressions import Environment, Slots
-from crow.search.frames import Context
+from crow.search.frames import Application, Context
 from crow.search.points import Point, Trail
 from crow.text import expression_text
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
 from crow.values import Value
+
+Call = tuple[int, DoOp, tuple[Value, ...]]
+"""The number of a step, its controller and the arguments."""
 
 
 def variables(slots: Slots, values: Environment) -> dict[str, Value]:
@@ -85,27 +88,35 @@ def _items(world: World, event: Any) -> tuple[TraceItem, ...]:
 def _steps(events: list[Any]) -> tuple[Step, ...]:
     """One step a controller call, and one for an effect that came without any.
 
-    The binds of a behavior are known in full where its R ends.
+    The binds of a behavior are known in full where its R ends, those of calls in its L too.
     """
-    steps: list[Step | None] = []
-    calls: list[list[tuple[int, DoOp, tuple[Value, ...]]]] = []
+    steps: list[Step] = []
+    rights: list[tuple[Application, list[Call]]] = []
+    lefts: dict[Application, list[list[Call]]] = {}
     for event in events:
         match event:
-            case ("begin",):
-                calls.append([])
+            case ("left", application):
+                lefts.setdefault(application, []).append([])
+            case ("begin", application):
+                rights.append((application, []))
             case ("do", op, arguments, context):
+                call = (len(steps), op, arguments)
                 steps.append(_step(context, op, arguments))
-                if calls:
-                    calls[-1].append((len(steps) - 1, op, arguments))
+                if rights and rights[-1][0] is context.application:
+                    rights[-1][1].append(call)
+                else:
+                    lefts[context.application][-1].append(call)
             case ("end", context):
-                own = calls.pop()
+                application, own = rights.pop()
+                # Of equal applications in one M, the one whose L came last ends first.
+                own = lefts[application].pop() + own if lefts.get(application) else own
                 for index, op, arguments in own:
                     steps[index] = _step(context, op, arguments)
-                if not own and context.application.code.effect is not None:
+                if not own and application.code is not None and application.code.has_effect:
                     steps.append(_step(context, None, ()))
             case _:
                 pass
-    return tuple(step for step in steps if step is not None)
+    return tuple(steps)
 
 
 def _step(context: Context, op: DoOp | None, arguments: tuple[Value, ...]) -> Step:

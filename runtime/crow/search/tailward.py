@@ -181,7 +181,6 @@ class _Last:
                 yield self._with((*self.left, (first, again)), *after)
 
     def _applied(self, code: Code, arguments: tuple[Value, ...], member: Open) -> Iterator[Point]:
-        self.machine.counters.nodes += 1
         application = self.machine.application(code, arguments, member.application, member.depth)
         if application is None:
             return
@@ -194,4 +193,4 @@ class _Last:
             return
         done = self.shared.frame(Kind.TAIL_LEFT_DONE, self.frame.next, self.left, blocks)
         left = self.machine.section(code.left, done, commits=code.commits[0])
-        yield self.point.at(left, context)
+        yield self.point.told(("left", application)).at(left, context)

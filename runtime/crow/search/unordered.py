@@ -144,7 +144,8 @@ def _settled(values: Environment, rest: Block, *, is_last: bool = False) -> Chai
 
 def _steps(chains: Chains) -> Iterator[tuple[Op, Environment, Chains]]:
     """Each statement that may come next, its variables, and the chains without it."""
-    for index, chain in enumerate(chains):
+    # The chain whose `commit` comes last, last: its beginning is not to be undone by the others.
+    for index, chain in sorted(enumerate(chains), key=lambda pair: pair[1].is_last):
         before, after = chains[:index], chains[index + 1 :]
         for op, values, left in _heads(chain):
             rest = before + after if left is None else (*before, left, *after)
