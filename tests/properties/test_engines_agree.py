@@ -76,11 +76,11 @@ def test_examples(example: str, depth: int) -> None:
 
 BLOCKS = 'problem "p"\nobjects:\n  a, b, c: block\ninit:\n'
 TOWERS = {
-    "apart": ("on_table[a], on_table[b], on_table[c], clear[a], clear[b], clear[c]", "on(a, b)"),
-    "swap": ("on[a, b], on_table[b], clear[a]", "on(b, a)"),
-    "clear": ("on[a, b], on[b, c], on_table[c], clear[a]", "clear(c)"),
-    "hold": ("on[a, b], on_table[b], clear[a], on_table[c], clear[c]", "holding(b)"),
-    "two goals": ("on_table[a], on_table[b], clear[a], clear[b]", "on(a, b) and on_table(b)"),
+    "apart": ("on_table[a]; on_table[b]; on_table[c]; clear[a]; clear[b]; clear[c]", "on(a, b)"),
+    "swap": ("on[a, b]; on_table[b]; clear[a]", "on(b, a)"),
+    "clear": ("on[a, b]; on[b, c]; on_table[c]; clear[a]", "clear(c)"),
+    "hold": ("on[a, b]; on_table[b]; clear[a]; on_table[c]; clear[c]", "holding(b)"),
+    "two goals": ("on_table[a]; on_table[b]; clear[a]; clear[b]", "on(a, b) and on_table(b)"),
 }
 
 
@@ -89,7 +89,7 @@ TOWERS = {
 def test_blocks(program: str, tower: str) -> None:
     facts, goal = TOWERS[tower]
     domain = (EXAMPLES / "blocks" / f"{program}.cdl").read_text()
-    init = "".join(f"  {fact} = True\n" for fact in [*facts.split(", "), "handempty[...]"])
+    init = "".join(f"  {fact} = True\n" for fact in [*facts.split("; "), "handempty[...]"])
     for depth in (0, 1, 2):
         try:
             compare(problem_of(domain, f"{BLOCKS}{init}goal: {goal}\n"), depth, 20_000)
