@@ -39,6 +39,10 @@ class Forward:
     def _options(self, point: Point, frame: Frame) -> Iterator[Point]:
         members: Members = frame.second
         focus: Focus | None = frame.third
+        if self.machine.protects and self.protection.is_hopeless(point.state, frame, members):
+            self.machine.is_hopeless = True
+            self.machine.counters.hopeless += 1
+            return
         if self.machine.prunes:
             for completed, left in self._settled(point, frame, members, focus):
                 if completed is not None:
@@ -46,11 +50,6 @@ class Forward:
                 if left is None:
                     return
                 members = left
-            protects = self.machine.protects
-            if protects and self.protection.is_hopeless(point.state, frame, members):
-                self.machine.is_hopeless = True
-                self.machine.counters.hopeless += 1
-                return
         here = _Place(self, point, frame, members)
         for path, member, is_free in walk(members, focus):
             if isinstance(member, Open):
