@@ -11,6 +11,8 @@ import crow
 from cdlc.driver import problem_compilation
 from crow.plan import call_text
 from crow.planning import Planning
+from crow.replay import replay_to_goal
+from crow.search.engine import CrowEngine
 
 SUSSMAN = 'problem "p"\nobjects:\n  A, B, C: block\ninit:\n  on_table[A] = True\n  on_table[B] = True\n  on[C, A] = True\n  clear[B] = True\n  clear[C] = True\n  handempty[...] = True\ngoal: {}\n'  # noqa: E501
 ENGINES = ["auto", "reference"]
@@ -99,8 +101,9 @@ def test_deep_programs_meet_no_recursion_limit() -> None:
     domain = "behavior go(k: int64):\n  goal: n() >= k\n  body:\n    achieve n() >= k - 1\n"
     domain += "    do d()\n  eff: n = k\n"
     task = problem(domain, f"n() >= {depth}")
-    result = crow.plan(task, depth_limit=depth + 1)
-    assert len(calls(result)) == depth
+    (steps, trace), *_ = CrowEngine(task, lambda _: None).round(depth + 1)
+    assert [step.controller for step in steps] == ["d"] * depth
+    assert replay_to_goal(task, trace).is_sound
 
 
 def test_node_and_time_limits() -> None:
