@@ -109,6 +109,11 @@ class Unordered:
         op, (outer, opens) = frame.first, frame.third
         new = {slot: context.values[slot] for slot in op.shared}
         chains = _filled(frame.second, context.values, new)
+        code = context.application.code
+        assert code is not None
+        # The group's binds are out of scope behind it, but the plan names their values.
+        bound = (slot for _, slot in code.bound if outer[slot] is None)
+        new |= {slot: context.values[slot] for slot in bound}
         values = with_slots(outer, tuple(new), tuple(new.values())) if new else outer
         return point.at(self._frame(op, chains, values, frame.next, opens=opens), context)
 
