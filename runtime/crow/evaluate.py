@@ -143,7 +143,11 @@ class _Evaluator:
             case Constant(value=value):
                 return value
             case Variable(name=name):
-                return variables[name]
+                try:
+                    return variables[name]
+                except KeyError:  # a part of an unordered group ran before the one that binds it
+                    message = f"`{name}` has no value yet"
+                    raise EvaluationError(message, node.location) from None
             case Object(name=name):
                 return name
             case Read():

@@ -98,6 +98,7 @@ class _Body:
         self.taken = {p.name for p in target.behavior.parameters}
         self.bound: list[tuple[str, int]] = []
         self.loops = 0
+        self.unsure: set[int] = set()
 
     def compile(self) -> None:
         """Fill the target."""
@@ -180,7 +181,7 @@ class _Body:
             case Group(order="alternative", body=body):
                 return code.AlternativeOp(self.inner(body, slots))
             case Group(body=body):
-                return self.unordered(node, self.inner(body, slots), None, slots)
+                return self.parts(node, body, slots)
             case ForEach(variables=variables, body=body):
                 ranges = self.ranges(variables)
                 self.loops += 1
@@ -199,6 +200,24 @@ class _Body:
                 )
             case _:
                 raise AssertionError(f"{type(node).__name__} in a body")
+
+    def parts(self, node: Statement, body: tuple[Statement, ...], slots: Slots) -> Op:
+        """`unordered:`; what one part declares, others see once it has run."""
+        declared: list[int] = []
+        ops: list[Op] = []
+        inner = slots
+        for part in body:
+            first = self.size
+            op, inner = self.statement(part, inner)
+            ops.append(op)
+            if isinstance(part, Bind | Let):
+                own = range(first, self.size) if isinstance(part, Bind) else (first,)
+                declared += own
+                self.unsure.update(own)
+        group = self.unordered(node, tuple(ops), None, slots)
+        assert isinstance(group, code.UnorderedOp)
+        group.shared += tuple(declared)
+        return group
 
     def unordered(
         self, node: Statement, body: Block, variables: "code.Variables", slots: Slots
@@ -237,7 +256,7 @@ class _Body:
         return own, tuple(product(*domains))
 
     def value(self, node: Expression, slots: Slots) -> Compiled:
-        return self.programs.compiler.expression(node, slots)
+        return self.programs.compiler.expression(node, slots, self.unsure)
 
     def values(self, nodes: tuple[Expression, ...], slots: Slots) -> tuple[Compiled, ...]:
         return tuple(self.value(node, slots) for node in nodes)

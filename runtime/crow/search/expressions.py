@@ -4,7 +4,7 @@ Connectives, reads and comparisons become Python; arithmetic is left to the inte
 knows about widths and divisions by zero.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from itertools import product
 from typing import Any
 
@@ -50,13 +50,20 @@ class Compiler:
         self.constants: dict[str, Any] = {
             "evaluated": self._evaluated,
             "unset": _unset,
+            "bound": _bound,
             "product": product,
         }
         self._functions: dict[str, str | None] = {}
 
-    def expression(self, node: Expression, slots: Slots) -> Compiled:
-        """A function for the value of an expression; it may raise EvaluationError."""
+    def expression(self, node: Expression, slots: Slots, unsure: Collection[int] = ()) -> Compiled:
+        """A function for the value of an expression; it may raise EvaluationError.
+
+        The slots that are `unsure` may have no value yet.
+        """
         names = {name: f"E[{slot}]" for name, slot in slots.items()}
+        for name, slot in slots.items():
+            if slot in unsure:
+                names[name] = f"bound(E[{slot}], {name!r})"
         try:
             compiled: Compiled = self._compiled("S, E", self._source(node, names))
         except (SyntaxError, RecursionError, MemoryError):
@@ -160,6 +167,12 @@ class Compiler:
 def is_plain(type_: Type) -> bool:
     """Whether values of a type are passed on as they are."""
     return isinstance(type_, ObjectType) or underlying(type_) == BOOL
+
+
+def _bound(value: Value, name: str) -> Value:
+    if value is None:
+        raise EvaluationError(f"`{name}` has no value yet", None)
+    return value
 
 
 def _unset(cell: Cell, location: Location | None) -> Value:
