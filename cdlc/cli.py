@@ -184,8 +184,11 @@ def _emission(command: argparse.ArgumentParser) -> None:
 def _plan_arguments(command: argparse.ArgumentParser) -> None:
     _files(command, "DOMAIN", "PROBLEM")
     command.add_argument(
-        "--engine", default="fast-downward", metavar="NAME", help="default: %(default)s"
-    )
+        "--engine", default="auto", metavar="NAME",
+        help="auto, iddfs or reference (the runtime's), or a PDDL engine such as fast-downward;"
+        " default: %(default)s",
+    )  # fmt: skip
+    command.add_argument("--seed", type=int, default=0, metavar="N", help="default: %(default)s")
     _emission(command)
     command.add_argument("--time-limit", type=_positive(float), metavar="S", help="seconds")
     command.add_argument("--max-memory", type=_positive(int), metavar="MB")
@@ -286,6 +289,52 @@ def plan(options: argparse.Namespace) -> int:
     compilation.enumerates = options.numeric == "enumerate"
     if not _with_functions(options, compilation):
         return INPUT_ERRORS
+    from crow.planning import ENGINES
+
+    run = _plan_natively if options.engine in ENGINES else _plan_with_pddl
+    return run(options, compilation)
+
+
+def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation) -> int:
+    """Plan with the runtime; statistics go to standard error, also when it is interrupted."""
+    from crow.planning import Planning
+
+    problem = compilation.plannable
+    _warn(options, compilation)
+    shows = options.format == "text" and sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+    planning = Planning(
+        problem,
+        options.engine,
+        seed=options.seed,
+        time_limit=options.time_limit,
+        memory_limit_mb=options.max_memory,
+        on_progress=_show_progress if shows else None,
+    )
+    try:
+        result = planning.first()
+    finally:
+        if shows:
+            print("\r\033[K", end="", file=sys.stderr)
+        if options.format == "text":
+            print(_statistics_text(planning.statistics()), file=sys.stderr)
+    return _show_plan(options, result)
+
+
+def _show_progress(statistics: dict[str, Any]) -> None:
+    """One line that is written over."""
+    shown = f"depth {statistics['depth']}, {statistics['nodes']} nodes"
+    print(f"\r\033[K{shown}", end="", file=sys.stderr, flush=True)
+
+
+def _statistics_text(statistics: dict[str, Any]) -> str:
+    """Figures of a search in one line."""
+    parts = [f"searched {statistics['nodes']} nodes to depth {statistics['depth']}"]
+    parts += [f"{number} {name}" for name, number in statistics.get("pruned", {}).items()]
+    return ", ".join(parts[:1]) + (f"; left out {', '.join(parts[1:])}" if parts[1:] else "")
+
+
+def _plan_with_pddl(options: argparse.Namespace, compilation: driver.Compilation) -> int:
+    """Plan with a PDDL engine, in a process of its own."""
     from cdlc.backends.engines import EngineError
     from cdlc.backends.pddl.solve import InvalidPlan, solve_task
 
@@ -321,6 +370,8 @@ def _show_plan(options: argparse.Namespace, result: Any) -> int:
         print(text, end="")
     if not is_json:
         print(result.summary(), file=sys.stderr)
+        if result.explanation:
+            print(f"note: the search came as far as {result.explanation}", file=sys.stderr)
     return {"plan": DONE, "timeout": LIMIT, "memory": LIMIT}.get(result.status, NO_PLAN)
 
 

@@ -125,6 +125,16 @@ class Compilation:
         return tabulated(self.program, self.functions)
 
     @cached_property
+    def plannable(self) -> "Problem":
+        """The problem, with a program that the runtime's planner covers."""
+        from cdlc.backends.crow import check_plannable
+
+        problem = self.problem
+        check_plannable(problem, self.found)
+        self._stop_at_errors()
+        return problem
+
+    @cached_property
     def model(self) -> "Model":
         """The formulas of the program."""
         from cdlc.ir.hoare import Model

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
+    from crow.problem import Problem
     from crow.program.triples import Triple
 
 Path = str | PathLike[str]
@@ -68,6 +69,13 @@ class Compiled:
             formula = model.formula(checked, triple.parameters)
             found.append(model.weakest_precondition(formula, triple))
         return model.pool.conjunction(found)
+
+    def task(self) -> "Problem":
+        """The problem as `crow.plan` takes it, its initial state computed.
+
+        Raises CompileError when the initial state has no value or the program needs values chosen.
+        """
+        return self._compilation.plannable
 
     def pddl(self) -> "PddlTask":
         """The PDDL: `.domain` and, where there is a problem, `.problem` are texts.

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import jsonschema
@@ -264,7 +265,8 @@ def test_plan_prints_steps_and_json_follows_its_schema() -> None:
     text = cdlc("plan", DOMAIN, SUSSMAN, "--engine", "fast-downward")
     assert (text.status, len(text.out.splitlines())) == (0, 6)
     assert "1. unstack(C, A)" in text.out
-    document = json.loads(cdlc("plan", DOMAIN, SUSSMAN, "--format", "json").out)
+    ran = cdlc("plan", DOMAIN, SUSSMAN, "--engine", "fast-downward", "--format", "json")
+    document = json.loads(ran.out)
     jsonschema.validate(document, schema("plan"))
     assert (document["status"], document["cost"]) == ("plan", 6)
     assert document["steps"][0] == {
@@ -279,9 +281,70 @@ def test_plan_prints_steps_and_json_follows_its_schema() -> None:
 
 def test_no_plan_has_status_3() -> None:
     impossible = PROBLEM + "holding(A) and handempty()\n"
-    ran = cdlc("plan", "-", stdin=impossible)
+    ran = cdlc("plan", "-", "--engine", "fast-downward", stdin=impossible)
     assert (ran.status, ran.out) == (3, "")
     assert "no plan exists" in ran.err
+
+
+@pytest.mark.parametrize("engine", [(), ("--engine", "iddfs"), ("--engine", "reference")])
+def test_the_runtime_plans_by_default(engine: tuple[str, ...]) -> None:
+    swap = ROOT / "examples" / "tutorial" / "swap.cdl"
+    ran = cdlc("plan", swap, *engine, "--format", "json", "--seed", "7")
+    document = json.loads(ran.out)
+    jsonschema.validate(document, schema("plan"))
+    assert (ran.status, ran.err, document["status"], document["seed"]) == (0, "", "plan", 7)
+    assert document["engine"] == (engine[1] if engine else "auto")
+    assert [step["controller"] for step in document["steps"]][:2] == ["pick", "go"]
+    assert document["statistics"]["nodes"] > 0
+
+
+def test_a_native_plan_is_validated_with_its_trace(tmp_path: Path) -> None:
+    for example in ("tutorial/swap", "kitchen/tidy", "blocks/sussman"):
+        problem, plan = ROOT / "examples" / f"{example}.cdl", tmp_path / "plan.json"
+        assert cdlc("plan", problem, "--format", "json", "-o", plan).status == 0
+        ran = cdlc("validate", problem, plan)
+        assert ran.status == 0, ran.err
+        assert "trace items" in ran.out
+
+
+UNSOLVABLE = """problem "p"
+domain "__empty__"
+typedef door
+feature open(d: door)
+feature locked(d: door)
+controller push(d: door)
+behavior enter(d: door):
+  goal: open(d)
+  body:
+    assert not locked(d)
+    do push(d)
+  eff: open[d] = True
+objects:
+  front: door
+init: locked[front] = True
+goal: open(front)
+"""
+
+
+def test_no_plan_is_explained() -> None:
+    ran = cdlc("plan", "-", stdin=UNSOLVABLE)
+    assert (ran.status, ran.out) == (3, "")
+    assert "no plan exists (auto" in ran.err
+    assert "`not locked(d)` at -:10:5 with d = front: it is false here" in ran.err
+    document = json.loads(cdlc("plan", "-", "--format", "json", stdin=UNSOLVABLE).out)
+    jsonschema.validate(document, schema("plan"))
+    assert document["status"] == "unsolvable"
+    assert "locked(front) is True" in document["explanation"]
+    solvable = UNSOLVABLE.replace("locked[front] = True", "locked[front] = False")
+    assert cdlc("plan", "-", stdin=solvable).out == "1. push(front)  by enter(front)\n"
+
+
+def test_what_the_planner_does_not_cover_is_refused_with_its_place() -> None:
+    text = UNSOLVABLE.replace("assert not", "bind n: int64\n    assert not")
+    ran = cdlc("plan", "-", stdin=text)
+    assert (ran.status, ran.out) == (1, "")
+    assert "error[not-plannable]: planning does not cover `bind n` of type `int64`" in ran.err
+    assert "-:10:5" in ran.err
 
 
 def test_a_goal_that_holds_needs_no_steps() -> None:
@@ -308,17 +371,56 @@ def hard_problem(tmp_path: Path) -> Path:
     return file
 
 
-def test_a_time_limit_has_status_4(tmp_path: Path) -> None:
-    ran = cdlc("plan", hard_problem(tmp_path), "--time-limit", "1.5")
+@pytest.mark.parametrize("engine", ["auto", "fast-downward"])
+def test_a_time_limit_has_status_4(engine: str, tmp_path: Path) -> None:
+    ran = cdlc("plan", hard_problem(tmp_path), "--time-limit", "1.5", "--engine", engine)
     assert (ran.status, ran.out) == (4, "")
     assert "time limit" in ran.err
+    if engine == "auto":
+        assert "searched " in ran.err
+
+
+def test_a_memory_limit_of_the_runtime_has_status_4(tmp_path: Path) -> None:
+    ran = cdlc("plan", hard_problem(tmp_path), "--max-memory", "1")
+    assert (ran.status, ran.out) == (4, "")
+    assert "memory limit" in ran.err
+
+
+def interrupted(command: list[str], number: signal.Signals, ready: Callable[..., object]) -> str:
+    """What a command says to a signal that it gets when it is ready."""
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A shell may have made this process ignore SIGINT; the child must not inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    try:
+        ready(process)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=20)
+    finally:
+        process.kill()
+    assert (process.returncode, out) == (130, "")
+    assert "Traceback" not in err
+    return err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_runtime_is_interrupted(number: signal.Signals, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "cdlc", "plan", str(hard_problem(tmp_path))]
+    err = interrupted(command, number, wait_for_work)
+    assert "searched " in err
+    assert "interrupted" in err
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_leaves_nothing_behind(number: signal.Signals, tmp_path: Path) -> None:
     temporary = tmp_path / "tmp"
     temporary.mkdir()
-    command = [sys.executable, "-m", "cdlc", "plan", str(hard_problem(tmp_path))]
+    hard = str(hard_problem(tmp_path))
+    command = [sys.executable, "-m", "cdlc", "plan", hard, "--engine", "fast-downward"]
     process = subprocess.Popen(
         command,
         stdout=subprocess.PIPE,
@@ -339,6 +441,14 @@ def test_an_interrupt_leaves_nothing_behind(number: signal.Signals, tmp_path: Pa
     _gone, alive = psutil.wait_procs(children, timeout=5)
     assert not alive
     assert list(temporary.iterdir()) == []
+
+
+def wait_for_work(process: subprocess.Popen[str]) -> None:
+    """Until a run has computed for longer than it takes to start."""
+    deadline = time.monotonic() + 60
+    while psutil.Process(process.pid).cpu_times().user < 2.5:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
 
 
 def wait_for_children(process: subprocess.Popen[str]) -> list[psutil.Process]:

@@ -1,6 +1,6 @@
 """From the checked program to the runtime's problem."""
 
-from cdlc.backends.errors import NoInitialValue
+from cdlc.backends.errors import NoInitialValue, NotPlannable
 from cdlc.diagnostics import Collector
 from crow.evaluate import EvaluationError
 from crow.problem import Problem
@@ -15,3 +15,13 @@ def to_runtime(program: Program, statement: ProblemStatement, found: Collector) 
         location = error.location or Location("", 1, 1, 1, 1)
         found.add(NoInitialValue(location=location, reason=str(error)))
         return None
+
+
+def check_plannable(problem: Problem, found: Collector) -> None:
+    """Report what the runtime's planner would have to choose a value for."""
+    from crow.support import unsupported
+
+    missing = unsupported(problem.world.program)
+    if missing is not None:
+        location = missing.location or Location("", 1, 1, 1, 1)
+        found.add(NotPlannable(location=location, construct=missing.construct))

@@ -124,3 +124,22 @@ class FunctionFailed(Diagnostic):
 
     def label(self) -> str:
         return "declared here"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class NotPlannable(Diagnostic):
+    """Something that needs a value chosen or computed, where the planner chooses objects.
+
+        bind t: Trajectory where: clear_of(o, t)
+
+    Numbers may be features, and parameters that a goal gives a value. A `bind` of a value, a value
+    parameter that the goal does not mention, and functions in Python need a solver of constraints.
+    """
+
+    construct: str
+
+    def message(self) -> str:
+        return f"planning does not cover {self.construct} in this version"
+
+    def notes(self) -> tuple[str, ...]:
+        return ("the planner chooses among objects; it does not compute or sample values yet",)

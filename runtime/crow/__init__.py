@@ -1,1 +1,113 @@
-"""The CROW planner: plans with compiled CDL programs and imports nothing of `cdlc`."""
+"""The CROW planner: plans with compiled CDL programs and imports nothing of `cdlc`.
+
+result = crow.plan(problem, time_limit=30)
+for step in result.steps:
+    robot.run(step.controller, *step.arguments)
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+# `crow.plan` is the function: the module of that name is imported first, or its import would take
+# the name over later.
+import crow.plan  # noqa: F401
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from crow.budget import Progress
+    from crow.plan import Result, Step
+    from crow.planning import NotPlannable
+    from crow.problem import Problem, State, World
+    from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
+
+__all__ = [
+    "plan",
+    "plans",
+    "Problem",
+    "State",
+    "World",
+    "Result",
+    "Step",
+    "Plan",
+    "Unsolvable",
+    "LimitReached",
+    "TimedOut",
+    "OutOfMemory",
+    "NotPlannable",
+]
+
+_PLACES = {
+    **dict.fromkeys(("Problem", "State", "World"), "crow.problem"),
+    **dict.fromkeys(
+        ("Plan", "Unsolvable", "LimitReached", "TimedOut", "OutOfMemory"), "crow.results"
+    ),
+    **dict.fromkeys(("Result", "Step"), "crow.plan"),
+    "NotPlannable": "crow.planning",
+}
+
+
+def plan(
+    problem: "Problem",
+    engine: str = "auto",
+    *,
+    seed: int = 0,
+    time_limit: float | None = None,
+    node_limit: int | None = None,
+    depth_limit: int | None = None,
+    memory_limit_mb: int | None = None,
+    on_progress: "Progress | None" = None,
+) -> "Result":
+    """A plan of a problem, by refining its goal (§3 of the paper).
+
+    `engine` is `auto`, `iddfs` or `reference`. Limits are None for none: seconds of wall time,
+    nodes, depth of nested behaviors, MiB of memory. `on_progress` is called now and then with
+    statistics.
+
+    Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
+    program that would have to choose values, and ValueError for an engine that does not exist.
+    """
+    from crow.planning import Planning
+
+    return Planning(
+        problem,
+        engine,
+        seed=seed,
+        time_limit=time_limit,
+        node_limit=node_limit,
+        depth_limit=depth_limit,
+        memory_limit_mb=memory_limit_mb,
+        on_progress=on_progress,
+    ).first()
+
+
+def plans(
+    problem: "Problem",
+    engine: str = "auto",
+    *,
+    seed: int = 0,
+    time_limit: float | None = None,
+    node_limit: int | None = None,
+    depth_limit: int | None = None,
+) -> "Iterator[Plan]":
+    """The plans of a problem, each once, those that need less depth first.
+
+    It ends when there are no more or a limit is reached. Arguments and errors are those of `plan`.
+    """
+    from crow.planning import Planning
+
+    return Planning(
+        problem,
+        engine,
+        seed=seed,
+        time_limit=time_limit,
+        node_limit=node_limit,
+        depth_limit=depth_limit,
+    ).plans()
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is asked for: the compiler uses little of it."""
+    if name not in _PLACES:
+        raise AttributeError(f"module `crow` has no attribute `{name}`")
+    return getattr(import_module(_PLACES[name]), name)

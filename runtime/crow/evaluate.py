@@ -85,7 +85,17 @@ def execute(
     Raises EvaluationError as `evaluate` does, for a `foreach` whose iterations write different
     values to one cell, and for a value outside the bounds of its feature.
     """
-    run = _Run(world, state.cells)
+    return world.updated(state, changes(world, state.cells, statements, variables))
+
+
+def changes(
+    world: World,
+    cells: Mapping[Cell, object],
+    statements: tuple[Statement, ...],
+    variables: Environment,
+) -> dict[Cell, object]:
+    """What an effect writes into the cells of a state. Raises EvaluationError as `execute` does."""
+    run = _Run(world, cells)
     try:
         run.block(statements, ChainMap(dict(variables)))
     except RecursionError:
@@ -93,7 +103,7 @@ def execute(
         raise EvaluationError(_TOO_DEEP, location) from None
     for cell, value in run.written.items():
         check_bounds(world, cell, value)
-    return world.updated(state, run.written)
+    return run.written
 
 
 def check_bounds(world: World, cell: Cell, value: object) -> None:
@@ -133,7 +143,11 @@ class _Evaluator:
             case Constant(value=value):
                 return value
             case Variable(name=name):
-                return variables[name]
+                try:
+                    return variables[name]
+                except KeyError:  # a part of an unordered group ran before the one that binds it
+                    message = f"`{name}` has no value yet"
+                    raise EvaluationError(message, node.location) from None
             case Object(name=name):
                 return name
             case Read():

@@ -49,8 +49,6 @@ class Result:
 
     def summary(self) -> str:
         """One line for people: what was found, or what kept a plan from being found."""
-        seconds = self.statistics.get("seconds")
-        took = "" if seconds is None else f" in {seconds:.2f} s"
         count = f"{len(self.steps)} step{'' if len(self.steps) == 1 else 's'}"
         told = {
             "plan": f"plan of {count}, replayed to the goal",
@@ -59,7 +57,7 @@ class Result:
             "timeout": "no plan found within the time limit",
             "memory": "no plan found within the memory limit",
         }[self.status]
-        return f"{told} ({self.engine}{took})"
+        return f"{told} ({self.engine}{took(self.statistics)})"
 
     def json(self) -> dict[str, Any]:
         """The `plan --format json` document (schemas/plan.json)."""
@@ -76,6 +74,12 @@ class Result:
         return (
             document if self.explanation is None else {**document, "explanation": self.explanation}
         )
+
+
+def took(statistics: dict[str, Any]) -> str:
+    """How long a search ran, for a summary."""
+    seconds = statistics.get("seconds")
+    return "" if seconds is None else f" in {seconds:.2f} s"
 
 
 def call_text(name: str, arguments: tuple[Value, ...], bindings: dict[str, Value]) -> str:

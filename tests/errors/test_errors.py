@@ -39,6 +39,7 @@ STAGES = {
     "not-in-pddl": "pddl",
     "not-discrete": "pddl",
     "unset-in-pddl": "pddl",
+    "not-plannable": "plannable",
 }
 # What needs more than a file to happen, with the test of it.
 ELSEWHERE = {

@@ -1,0 +1,177 @@
+"""Behind `crow.plan` and `crow.plans`: a problem to its plans, or to why there are none.
+
+Both engines deepen: round k refines up to depth k, until a plan is found, nothing deeper is left,
+or a limit is reached. Each plan is replayed by `crow.replay` before it is handed over.
+"""
+
+from collections.abc import Iterator
+from itertools import count
+from typing import Any, Protocol
+
+from crow.budget import Budget, Progress, Stopped
+from crow.evaluate import evaluate
+from crow.plan import Result, Step
+from crow.problem import Problem
+from crow.program import Location
+from crow.replay import Replay, replay_to_goal
+from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
+from crow.support import unsupported
+from crow.trace import Trace
+
+ENGINES = ("auto", "iddfs", "reference")
+"""The engines of the runtime; `auto` is iterative deepening."""
+
+Found = tuple[tuple[Step, ...], Trace]
+
+
+class NotPlannable(ValueError):  # noqa: N818 - about the program, not about a failure
+    """The program needs what no engine here has; `location` is where it says so."""
+
+    def __init__(self, construct: str, location: Location | None) -> None:
+        super().__init__(f"planning does not cover {construct}")
+        self.construct = construct
+        self.location = location
+
+
+class Engine(Protocol):
+    """An engine with one problem to search."""
+
+    def round(self, depth: int) -> Iterator[Found]:
+        """The plans up to a depth, some more than once. Raises Stopped."""
+
+    def left_out(self) -> tuple[str, ...]:
+        """What the last round left out: `depth` first, if deeper refinements are."""
+
+    def statistics(self) -> dict[str, Any]:
+        """Figures so far."""
+
+    def explanation(self) -> str | None:
+        """What failed, farthest on the way to the goal."""
+
+
+class Planning:
+    """One search for the plans of a problem.
+
+    Limits are None for none; `depth_limit` is the deepest round. The result is the same for the
+    same engine and node limit; `seed` is kept for engines that draw values.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        engine: str = "auto",
+        *,
+        seed: int = 0,
+        time_limit: float | None = None,
+        node_limit: int | None = None,
+        depth_limit: int | None = None,
+        memory_limit_mb: int | None = None,
+        on_progress: Progress | None = None,
+    ) -> None:
+        if engine not in ENGINES:
+            raise ValueError(f"no engine `{engine}`; there are {', '.join(ENGINES)}")
+        missing = unsupported(problem.world.program)
+        if missing is not None:
+            raise NotPlannable(missing.construct, missing.location)
+        self.problem = problem
+        self.name = engine
+        self.seed = seed
+        self.depth_limit = depth_limit
+        self.budget = Budget(time_limit, node_limit, memory_limit_mb, on_progress)
+        self.depth = 0
+        self.engine = _engine(problem, engine, self._check)
+        self.end: Result | None = None
+
+    def plans(self) -> Iterator[Plan]:
+        """Each plan, once; after the last, `end` says why there are no more."""
+        seen = set()
+        try:
+            for depth in count():
+                if self.depth_limit is not None and depth > self.depth_limit:
+                    self.end = self._limit("depth")
+                    return
+                self.depth = depth
+                for steps, trace in self.engine.round(depth):
+                    key = _identity(steps)
+                    if key not in seen:
+                        seen.add(key)
+                        yield self._plan(steps, trace)
+                left_out = self.engine.left_out()
+                if left_out[:1] != ("depth",):
+                    self.end = self._limit(*left_out) if left_out else self._unsolvable()
+                    return
+        except Stopped as stopped:
+            self.end = self._stopped(stopped.reason)
+
+    def first(self) -> Result:
+        """The first plan, or the typed result that says why there is none."""
+        found = next(self.plans(), None)
+        if found is not None:
+            return found
+        assert self.end is not None
+        return self.end
+
+    def statistics(self) -> dict[str, Any]:
+        """Figures so far."""
+        own = {"seconds": round(self.budget.seconds, 3), "depth": self.depth}
+        return {**own, **self.engine.statistics()}
+
+    def _check(self, nodes: int) -> None:
+        self.budget.check(nodes, self.statistics)
+
+    def _plan(self, steps: tuple[Step, ...], trace: Trace) -> Plan:
+        replayed = replay_to_goal(self.problem, trace)
+        if replayed.failure is not None:
+            failure = replayed.failure
+            raise AssertionError(f"no plan: `{failure.condition}`: {failure.reason}")
+        cost = self._cost(steps, replayed)
+        return Plan(self.name, steps, trace, cost, self.seed, self.statistics())
+
+    def _cost(self, steps: tuple[Step, ...], replayed: Replay) -> float:
+        if self.problem.minimize is not None:
+            world = self.problem.world
+            return float(evaluate(world, replayed.final, self.problem.minimize, {}))
+        return float(sum(step.controller is not None for step in steps))
+
+    # --------------------------------------------------------------------------------- no plan
+
+    def _told(self) -> dict[str, Any]:
+        return {
+            "seed": self.seed,
+            "statistics": self.statistics(),
+            "explanation": self.engine.explanation(),
+        }
+
+    def _unsolvable(self) -> Result:
+        return Unsolvable(self.name, **self._told())
+
+    def _limit(self, *limits: str) -> Result:
+        told = self._told()
+        told["statistics"]["limits"] = list(limits)
+        return LimitReached(self.name, limits=limits, **told)
+
+    def _stopped(self, reason: str) -> Result:
+        match reason:
+            case "time":
+                return TimedOut(self.name, **self._told())
+            case "memory":
+                return OutOfMemory(self.name, **self._told())
+            case _:
+                return self._limit(reason)
+
+
+def _identity(steps: tuple[Step, ...]) -> tuple[object, ...]:
+    return tuple(
+        (s.behavior, s.behavior_arguments, tuple(s.bindings.items()), s.controller, s.arguments)
+        for s in steps
+    )
+
+
+def _engine(problem: Problem, name: str, check: Any) -> Engine:
+    if name == "reference":
+        from crow.reference import ReferenceEngine
+
+        return ReferenceEngine(problem, check)
+    from crow.search.engine import CrowEngine
+
+    return CrowEngine(problem, check)

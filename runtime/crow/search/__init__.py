@@ -1,0 +1,1 @@
+"""The CROW engine: programs run forward, and the search over their choices."""

@@ -1,0 +1,65 @@
+"""Effects as functions from state to state; plain assignments are compiled."""
+
+from collections.abc import Callable
+from typing import Any
+
+from crow.evaluate import changes
+from crow.problem import World
+from crow.program import Apply, Assign, Expression, Read, Statement
+from crow.program.walk import expressions_of, subexpressions
+from crow.search.expressions import Compiler, Environment, Slots, is_plain
+from crow.search.states import Snapshot, Store
+
+Effect = Callable[[Snapshot, Environment], Snapshot]
+"""May raise EvaluationError: such a transition is not applicable."""
+
+
+class Effects:
+    """Compiles the effects of one world for one search."""
+
+    def __init__(self, world: World, store: Store, compiler: Compiler) -> None:
+        self.world = world
+        self.store = store
+        self.compiler = compiler
+
+    def effect(self, statements: tuple[Statement, ...], slots: Slots) -> Effect:
+        """A function for the state after an effect."""
+        if all(self._is_simple(statement) for statement in statements):
+            return self._assignments([s for s in statements if isinstance(s, Assign)], slots)
+        return self._interpreted(statements, slots)
+
+    def _is_simple(self, statement: Statement) -> bool:
+        """Whether a statement is `f[a, …] = e`, with an `e` that the effect cannot have changed."""
+        if not isinstance(statement, Assign) or statement.operator != "=":
+            return False
+        feature = self.world.features[statement.feature]
+        parts = [p for e in expressions_of(statement) for p in subexpressions(e)]
+        reads = any(isinstance(part, Read | Apply) for part in parts)
+        return not reads and feature.bounds == (None, None) and is_plain(feature.type)
+
+    def _assignments(self, statements: list[Assign], slots: Slots) -> Effect:
+        def value(node: Expression) -> Any:
+            return self.compiler.expression(node, slots)
+
+        writes = [(s.feature, tuple(map(value, s.arguments)), value(s.value)) for s in statements]
+        after = self.store.after
+
+        def effect(state: Snapshot, values: Environment) -> Snapshot:
+            return after(
+                state,
+                [
+                    ((feature, tuple([a(state, values) for a in arguments])), new(state, values))
+                    for feature, arguments, new in writes
+                ],
+            )
+
+        return effect
+
+    def _interpreted(self, statements: tuple[Statement, ...], slots: Slots) -> Effect:
+        world, after = self.world, self.store.after
+
+        def effect(state: Snapshot, values: Environment) -> Snapshot:
+            variables = {name: values[slot] for name, slot in slots.items()}
+            return after(state, changes(world, state.cells, statements, variables).items())
+
+        return effect

@@ -1,0 +1,278 @@
+"""M run forward: a member is completed in the known state, and refined on the way down to it.
+
+A step chooses what completes next: a member none of whose predecessors is left, or one below a
+member that is refined for it. The L of a refined member runs in the state in which M started.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from crow.evaluate import EvaluationError
+from crow.search.code import AllOf, Atom, CallOp, Code, OneOf, Opaque, Test
+from crow.search.frames import Context, Frame, Held, Kind, Members, Open, Refined
+from crow.search.members import Focus, Path, Starting, replaced, walk
+from crow.search.points import Choice, Point, Step, holds
+from crow.search.protect import Protection
+from crow.search.states import Snapshot
+from crow.values import Value
+
+if TYPE_CHECKING:
+    from crow.search.machine import Machine
+
+Applied = tuple[Code, tuple[Value, ...]]
+
+
+class Forward:
+    """Chooses among the members of M in the order in which they complete."""
+
+    def __init__(self, machine: "Machine") -> None:
+        self.machine = machine
+        self.shared = machine.shared
+        self.protection = Protection(machine)
+
+    def middle(self, point: Point, frame: Frame) -> Step:
+        """The members that are left, or the end of M."""
+        if not frame.second:
+            return point.told(("end of M",)).at(frame.next, None)
+        return Choice(point, self._options(point, frame))
+
+    def _options(self, point: Point, frame: Frame) -> Iterator[Point]:
+        members: Members = frame.second
+        focus: Focus | None = frame.third
+        if self.machine.protects and self.protection.is_hopeless(point.state, frame, members):
+            self.machine.is_hopeless = True
+            self.machine.counters.hopeless += 1
+            return
+        if self.machine.prunes:
+            for completed, left in self._settled(point, frame, members, focus):
+                if completed is not None:
+                    yield completed
+                if left is None:
+                    return
+                members = left
+        here = _Place(self, point, frame, members)
+        for path, member, is_free in walk(members, focus):
+            if isinstance(member, Open):
+                yield from here.open(path, member, is_free=is_free)
+            elif is_free and not member.children:
+                yield here.completed(path, member)
+
+    def _settled(
+        self, point: Point, frame: Frame, members: Members, focus: Focus | None
+    ) -> Iterator[tuple[Point | None, Members | None]]:
+        """What completes without a change of state is completed at once, or not in this way.
+
+        Completing it later leads to no other plan: nothing that comes in between needs it open.
+        Yields a point with it completed, and the members in which it has to be refined.
+        """
+        while True:
+            found = next(self._silent(point, members, focus), None)
+            if found is None:
+                return
+            path, member, test = found
+            self.machine.counters.nodes += 1
+            left = replaced(self.shared, members, path, None)
+            told = point.told(("assert", test, member.values))
+            completed = told.at(self._frame(frame, left, None), None)
+            if not self._may_be_refined(member):
+                yield completed, None
+                return
+            members = replaced(self.shared, members, path, self.shared.tried(member))
+            yield completed, members
+
+    def _silent(
+        self, point: Point, members: Members, focus: Focus | None
+    ) -> Iterator[tuple[Path, Open, Test]]:
+        for path, member, is_free in walk(members, focus):
+            if is_free and isinstance(member, Open) and member.may_be_null:
+                test = null_test(member)
+                if test is not None and holds(test, point.state, member.values):
+                    yield path, member, test
+
+    def _may_be_refined(self, member: Open) -> bool:
+        """Whether a condition that is true may also be achieved, which goes one deeper."""
+        if isinstance(member.what, Test | Opaque):
+            return False
+        return self.machine.within(member.depth + 1)
+
+    def _frame(self, frame: Frame, members: Members, focus: Focus | None) -> Frame:
+        return self.shared.frame(Kind.MIDDLE, frame.next, frame.first, members, focus)
+
+    def left_done(self, point: Point, frame: Frame) -> Step:
+        """The L of a refined member has run; on in the state that the search had reached."""
+        context = point.context
+        assert context is not None
+        back, middle = frame.first
+        path, is_free, after = frame.second
+        returned = Point(back, None, middle, point.trail, point.cuts).told(("end of L",))
+        place = _Place(self, returned, middle, middle.second)
+        points = list(place.joined(context, path, after, point.state, is_free=is_free))
+        return points[0] if len(points) == 1 else Choice(point, iter(points))
+
+
+def null_test(member: Open) -> Test | None:
+    """What has to be true for a member to complete by itself; None for one that cannot."""
+    match member.what:
+        case Test() as test:
+            return test
+        case AllOf(test=test) | OneOf(test=test) | Atom(test=test) | Opaque(test=test):
+            return test
+        case _:
+            return None
+
+
+class _Place:
+    """The members that are left at a point, and the ways to choose one of them."""
+
+    def __init__(self, owner: Forward, point: Point, frame: Frame, members: Members) -> None:
+        self.machine = owner.machine
+        self.shared = owner.shared
+        self.point = point
+        self.frame = frame
+        self.members = members
+        self.start: Snapshot = frame.first
+
+    def _at(self, members: Members, focus: Focus | None, point: Point | None = None) -> Point:
+        frame = self.shared.frame(Kind.MIDDLE, self.frame.next, self.start, members, focus)
+        return (point or self.point).at(frame, None)
+
+    def completed(self, path: Path, member: Refined) -> Point:
+        """A refined member whose children are done: its R runs here."""
+        self.machine.counters.nodes += 1
+        return self._finishing(path, member.context, member.after)
+
+    def _finishing(self, path: Path, context: Context | None, after: Held) -> Point:
+        left = replaced(self.shared, self.members, path, None)
+        rest = self._at(left, None).frame
+        for test, values in reversed(after):
+            rest = self.shared.frame(Kind.CHECK, rest, test, values)
+        if context is None:
+            return self.point.at(rest, None)
+        code = context.application.code
+        assert code is not None
+        return self.point.at(self.machine.right(code, rest), context)
+
+    def open(self, path: Path, member: Open, *, is_free: bool) -> Iterator[Point]:
+        """The ways to complete or to refine a member."""
+        test = null_test(member)
+        if test is not None and is_free and not self.machine.prunes:
+            self.machine.counters.nodes += 1
+            if holds(test, self.point.state, member.values):
+                told = self.point.told(("assert", test, member.values))
+                left = replaced(self.shared, self.members, path, None)
+                yield self._at(left, None, told)
+        match member.what:
+            case Test() as failing:
+                if is_free:
+                    note = self.machine.dead.note
+                    note(self.point, "it is false here", failing, member.values)
+            case CallOp(behavior=name, arguments=parts):
+                try:
+                    arguments = tuple(part(self.start, member.values) for part in parts)
+                except EvaluationError:
+                    return
+                code = self.machine.programs.code(self.machine.problem.world.behaviors[name])
+                yield from self._refined(path, member, (code, arguments), is_free=is_free)
+            case (code, arguments):
+                yield from self._refined(path, member, (code, arguments), is_free=is_free)
+            case _:
+                yield from self._wanting(path, member, is_free=is_free)
+
+    def _wanting(self, path: Path, member: Open, *, is_free: bool) -> Iterator[Point]:
+        from crow.search.machine import choices
+
+        what, values = member.what, member.values
+        match what:
+            case AllOf(test=test):
+                parts = self.machine.parts(what, values, member.application, member.depth)
+                checks = ((test, values), *_after(member))
+                if parts:
+                    yield self._opened(path, parts, checks, is_free=is_free)
+            case OneOf():
+                for part, own in choices(what, values):
+                    above, depth = member.application, member.depth
+                    chosen = self.shared.open(part, own, above, depth, member.after)
+                    self.machine.counters.nodes += 1
+                    members = replaced(self.shared, self.members, path, chosen)
+                    yield self._at(members, (path, is_free))
+            case Atom():
+                yield from self._atom(path, member, what, is_free=is_free)
+            case Opaque(test=test):
+                note = self.machine.dead.note
+                note(self.point, "nothing can make it true", test, values)
+            case _:
+                raise AssertionError(what)
+
+    def _opened(self, path: Path, children: Members, after: Held, *, is_free: bool) -> Point:
+        """A member refined to other members, with assertions behind them."""
+        self.machine.counters.nodes += 1
+        refined = self.shared.refined(None, children, after)
+        return self._at(replaced(self.shared, self.members, path, refined), (path, is_free))
+
+    def _atom(self, path: Path, member: Open, atom: Atom, *, is_free: bool) -> Iterator[Point]:
+        try:
+            found, is_step = atom.alternatives(self.start, member.values)
+        except EvaluationError:
+            return
+        if not found:
+            note = self.machine.dead.note
+            note(self.point, "no behavior achieves it", atom.test, member.values)
+        for applied in found:
+            if not is_step:
+                yield from self._refined(path, member, applied, is_free=is_free)
+            elif self.machine.within(member.depth + 1):
+                steps = self._step(member, applied)
+                yield self._opened(path, steps, _after(member), is_free=is_free)
+
+    def _step(self, member: Open, applied: Applied) -> Members:
+        """A behavior on the way to a comparison, and the comparison again."""
+        values, above, depth = member.values, member.application, member.depth
+        first = self.shared.open(applied, values, above, depth)
+        again = self.shared.open(member.what, values, above, depth + 1)
+        return ((first, again),)
+
+    def _refined(
+        self, path: Path, member: Open, applied: Applied, *, is_free: bool
+    ) -> Iterator[Point]:
+        """A member refined by a behavior; one that cannot complete now needs children."""
+        code, arguments = applied
+        if not is_free and code.middle is None:
+            return
+        application = self.machine.application(code, arguments, member.application, member.depth)
+        if application is None:
+            return
+        context, after = self.machine.context(application), _after(member)
+        if not code.left:
+            yield from self.joined(context, path, after, self.start, is_free=is_free)
+            return
+        middle = self._at(self.members, None).frame
+        done = self.shared.frame(
+            Kind.LEFT_DONE, None, (self.point.state, middle), (path, is_free, after)
+        )
+        left = self.machine.section(code.left, done, commits=code.commits[0])
+        told = self.point.told(("L",))
+        yield Point(self.start, context, left, told.trail, told.cuts)
+
+    def joined(
+        self, context: Context, path: Path, after: Held, start: Snapshot, *, is_free: bool
+    ) -> Iterator[Point]:
+        """A behavior whose L is done: its M joins the members, or its R runs at once."""
+        code = context.application.code
+        assert code is not None
+        starting = Starting(self.shared, context.application, context.values, start)
+        try:
+            started = [((), ())] if code.middle is None else starting.members(code.middle)
+        except EvaluationError:
+            return
+        for children, held in started:
+            own = self.shared.context(context.application, context.values, context.held + held)
+            if children:
+                refined = self.shared.refined(own, children, after)
+                members = replaced(self.shared, self.members, path, refined)
+                yield self._at(members, (path, is_free))
+            elif is_free:
+                yield self._finishing(path, own, after)
+
+
+def _after(member: Open) -> Held:
+    return () if member.after is None else ((member.after, member.values),)

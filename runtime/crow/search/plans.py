@@ -1,0 +1,128 @@
+"""A finished point of the search as steps and a trace."""
+
+from typing import Any
+
+from crow.plan import Step
+from crow.problem import World
+from crow.search.code import DoOp, Test
+from crow.search.expressions import Environment, Slots
+from crow.search.frames import Application, Context
+from crow.search.points import Point, Trail
+from crow.text import expression_text
+from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
+from crow.values import Value
+
+Call = tuple[int, DoOp, tuple[Value, ...]]
+"""The number of a step, its controller and the arguments."""
+
+
+def variables(slots: Slots, values: Environment) -> dict[str, Value]:
+    """The variables in scope that have a value."""
+    return {name: values[slot] for name, slot in slots.items() if values[slot] is not None}
+
+
+def assert_item(test: Test, values: Environment) -> AssertItem:
+    """An assertion as it stands in a trace."""
+    known = variables(test.slots, values)
+    return AssertItem(test.condition, known, expression_text(test.condition), test.location)
+
+
+def events_of(trail: Trail) -> list[Any]:
+    """What was done, from the beginning."""
+    events = []
+    while trail is not None:
+        trail, event, _ = trail
+        events.append(event)
+    events.reverse()
+    return events
+
+
+def plan_of(world: World, point: Point) -> tuple[tuple[Step, ...], Trace]:
+    """The steps and the trace that lead to a point."""
+    events = events_of(point.trail)
+    return _steps(events), tuple(_trace(world, events))
+
+
+def _trace(world: World, events: list[Any]) -> list[TraceItem]:
+    """The items in the order in which they stand: L of members of M at the start of that M."""
+    groups: list[tuple[list[TraceItem], list[TraceItem]]] = [([], [])]
+    in_left = False
+    for event in events:
+        match event:
+            case ("M",):
+                groups.append(([], []))
+            case ("end of M",):
+                left, middle = groups.pop()
+                groups[-1][1].extend((*left, *middle))
+            case ("L",):
+                in_left = True
+            case ("end of L",):
+                in_left = False
+            case _:
+                groups[-1][0 if in_left else 1].extend(_items(world, event))
+    return groups[0][1]
+
+
+def _items(world: World, event: Any) -> tuple[TraceItem, ...]:
+    match event:
+        case ("assert", test, values):
+            return (assert_item(test, values),)
+        case ("do", DoOp(controller=name, location=location), arguments, _):
+            controller = world.controllers[name]
+            item = DoItem(name, arguments, location)
+            if controller.effect is None:
+                return (item,)
+            own = dict(zip((p.name for p in controller.parameters), arguments, strict=True))
+            effect = EffItem(name, controller.effect, controller.parameters, own, location)
+            return item, effect
+        case ("eff", Context(application=application, values=values)):
+            assert application.code is not None
+            code, behavior = application.code, application.code.behavior
+            own = variables(code.effect_slots, values)
+            body = behavior.effect or ()
+            return (EffItem(behavior.name, body, behavior.parameters, own, behavior.location),)
+        case _:
+            return ()
+
+
+def _steps(events: list[Any]) -> tuple[Step, ...]:
+    """One step a controller call, and one for an effect that came without any.
+
+    The binds of a behavior are known in full where its R ends, those of calls in its L too.
+    """
+    steps: list[Step] = []
+    rights: list[tuple[Application, list[Call]]] = []
+    lefts: dict[Application, list[list[Call]]] = {}
+    for event in events:
+        match event:
+            case ("left", application):
+                lefts.setdefault(application, []).append([])
+            case ("begin", application):
+                rights.append((application, []))
+            case ("do", op, arguments, context):
+                call = (len(steps), op, arguments)
+                steps.append(_step(context, op, arguments))
+                if rights and rights[-1][0] is context.application:
+                    rights[-1][1].append(call)
+                else:
+                    lefts[context.application][-1].append(call)
+            case ("end", context):
+                application, own = rights.pop()
+                # Of equal applications in one M, the one whose L came last ends first.
+                own = lefts[application].pop() + own if lefts.get(application) else own
+                for index, op, arguments in own:
+                    steps[index] = _step(context, op, arguments)
+                if not own and application.code is not None and application.code.has_effect:
+                    steps.append(_step(context, None, ()))
+            case _:
+                pass
+    return tuple(steps)
+
+
+def _step(context: Context, op: DoOp | None, arguments: tuple[Value, ...]) -> Step:
+    application = context.application
+    code = application.code
+    assert code is not None
+    bindings = {n: context.values[s] for n, s in code.bound if context.values[s] is not None}
+    controller = None if op is None else op.controller
+    return Step(code.behavior.name, application.arguments, bindings, controller, arguments)

@@ -1,0 +1,92 @@
+"""States of a search: what differs from the initial state, each state one object."""
+
+from collections import ChainMap
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from crow.problem import Cell, State, World
+from crow.values import Value, default_value
+
+
+class Snapshot:
+    """A state: the cells of `base` but for those in `delta`. Equal states are identical."""
+
+    __slots__ = ("_cells", "base", "delta")
+
+    def __init__(self, base: dict[Cell, Value], delta: dict[Cell, Value]) -> None:
+        self.base = base
+        self.delta = delta
+        self._cells: Mapping[Cell, object] | None = None
+
+    @property
+    def cells(self) -> Mapping[Cell, object]:
+        """All cells, as the interpreter reads them."""
+        if self._cells is None:
+            self._cells = ChainMap(self.delta, self.base)
+        return self._cells
+
+
+class Store:
+    """The states of one search, and indexes of the cells of its initial state."""
+
+    def __init__(self, world: World, initial: State) -> None:
+        self.world = world
+        self.base: dict[Cell, Value] = dict(initial.cells)
+        self.defaults = {name: default_value(f.type) for name, f in world.features.items()}
+        self.initial = Snapshot(self.base, {})
+        self.known: dict[frozenset[tuple[Cell, Value]], Snapshot] = {frozenset(): self.initial}
+        self._indexes: dict[tuple[str, int], dict[str, list[tuple[str, ...]]]] = {}
+
+    def after(self, before: Snapshot, written: Iterable[tuple[Cell, Value]]) -> Snapshot:
+        """The state after some cells were written."""
+        delta = dict(before.delta)
+        for cell, value in written:
+            if self.base.get(cell, self.defaults[cell[0]]) == value:
+                delta.pop(cell, None)
+            else:
+                delta[cell] = value
+        if delta == before.delta:
+            return before
+        key = frozenset(delta.items())
+        found = self.known.get(key)
+        if found is None:
+            found = self.known[key] = Snapshot(self.base, delta)
+        return found
+
+    def rows(
+        self, state: Snapshot, feature: str, position: int, argument: str
+    ) -> Iterator[tuple[str, ...]]:
+        """Arguments of the true cells of a feature that have an object at a position.
+
+        A cell that became false since the start may be among them.
+        """
+        yield from self._index(feature, position).get(argument, ())
+        for (name, arguments), value in state.delta.items():
+            if name == feature and value and arguments[position] == argument:
+                yield arguments
+
+    def all_rows(self, state: Snapshot, feature: str) -> Iterator[tuple[str, ...]]:
+        """Arguments of the true cells of a feature; with others, as `rows`."""
+        for rows in self._index(feature, 0).values():
+            yield from rows
+        for (name, arguments), value in state.delta.items():
+            if name == feature and value:
+                yield arguments
+
+    def _index(self, feature: str, position: int) -> dict[str, list[tuple[str, ...]]]:
+        found = self._indexes.get((feature, position))
+        if found is None:
+            found = self._indexes[feature, position] = {}
+            for (name, arguments), value in self.base.items():
+                if name == feature and value:
+                    found.setdefault(arguments[position], []).append(arguments)
+        return found
+
+
+def state_of(snapshot: Snapshot, world: World) -> State:
+    """The state as everyone else knows it."""
+    return world.updated(State(snapshot.base), dict(snapshot.delta))
+
+
+Test = Any
+"""A compiled expression: a function of a Snapshot and the values of slots."""
