@@ -14,6 +14,10 @@ _DOMAINS = {
     "blocks/blocks": (("sussman", "reverse5", "towers12"), "blocks"),
     "blocks/blocks_strips": (("sussman", "reverse5", "towers12"), "blocks"),
     "tutorial/rooms": (("swap",), "rooms"),
+    "gripper/gripper": (("four",), "gripper"),
+    "logistics/logistics": (("parcel",), "logistics"),
+    "briefcase/briefcase": (("payday",), "briefcase"),
+    "cupboard/cupboard": (("dishes",), "cupboard"),
 }
 
 

@@ -63,12 +63,14 @@ def _parser() -> argparse.ArgumentParser:
     _plan_arguments(_command(commands, "plan", plan, "find a plan for a problem"))
     validator = _command(commands, "validate", validate, "check a plan for a problem")
     _files(validator, "DOMAIN", "PROBLEM", "PLAN")
+    _functions(validator)
     simulator = _command(commands, "simulate", simulate, "apply behaviors one after another")
     _files(simulator, "DOMAIN", "PROBLEM")
     simulator.add_argument(
         "--step", action="append", default=[], metavar="CALL", help="a behavior: 'name(a, bind=b)'"
     )
     _format(simulator)
+    _functions(simulator)
     importer = _command(commands, "import", import_, "translate PDDL into CDL")
     importer.add_argument("domain", metavar="DOMAIN.pddl")
     importer.add_argument("problem", metavar="PROBLEM.pddl", nargs="?")
@@ -80,6 +82,9 @@ def _parser() -> argparse.ArgumentParser:
     formatter = _command(commands, "fmt", fmt, "bring files to the canonical layout")
     formatter.add_argument("files", nargs="+", metavar="FILE", help="'-' is standard input")
     formatter.add_argument("--check", action="store_true", help="show what would change")
+    lister = _command(commands, "engines", engines, "list planners, and which fit a domain")
+    lister.add_argument("files", nargs="*", metavar="FILE", help="[DOMAIN] [PROBLEM]")
+    _format(lister)
     explainer = _command(commands, "explain", explain, "say what the code of a diagnostic means")
     explainer.add_argument("code", metavar="CODE", help="such as unknown-feature")
     return parser
@@ -135,6 +140,45 @@ def _compile_arguments(command: argparse.ArgumentParser) -> None:
         "--explain", action="store_true", help="with --emit hoare: the statements behind each part"
     )
     command.add_argument("-o", dest="output", type=Path, metavar="DIR", help="write files there")
+    _emission(command)
+    command.add_argument(
+        "--strict", action="store_true", help="treat what planners would not see as an error"
+    )
+
+
+def _functions(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--functions", metavar="FILE.py", help="Python of external functions")
+
+
+def _with_functions(options: argparse.Namespace, compilation: driver.Compilation) -> bool:
+    """Give a compilation the Python of its functions; False, with a message, if that fails."""
+    if options.functions is None:
+        return True
+    from cdlc.backends.functions import FunctionsError, load_functions
+
+    try:
+        compilation.functions = load_functions(options.functions)
+    except FunctionsError as error:
+        print(f"error[cannot-run-functions]: {error}", file=sys.stderr)
+        return False
+    return True
+
+
+def _emission(command: argparse.ArgumentParser) -> None:
+    """How PDDL is emitted."""
+    _functions(command)
+    command.add_argument(
+        "--derived",
+        choices=("inline", "axioms"),
+        default="inline",
+        help="derived functions in PDDL: unfolded, or as `:derived` predicates",
+    )
+    command.add_argument(
+        "--numeric",
+        choices=("fluents", "enumerate"),
+        default="fluents",
+        help="whole numbers with bounds in PDDL: functions, or objects for classical planners",
+    )
 
 
 def _plan_arguments(command: argparse.ArgumentParser) -> None:
@@ -145,6 +189,7 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
         " default: %(default)s",
     )  # fmt: skip
     command.add_argument("--seed", type=int, default=0, metavar="N", help="default: %(default)s")
+    _emission(command)
     command.add_argument("--time-limit", type=_positive(float), metavar="S", help="seconds")
     command.add_argument("--max-memory", type=_positive(int), metavar="MB")
     _format(command)
@@ -205,6 +250,10 @@ def compile_(options: argparse.Namespace) -> int:
     if options.explain and (is_json or options.emit != "hoare"):
         return _usage("--explain is for --emit hoare as text; its JSON always says where from")
     compilation = driver.compilation(options.files)
+    compilation.axioms = options.derived == "axioms"
+    compilation.enumerates = options.numeric == "enumerate"
+    if options.emit == "pddl" and not _with_functions(options, compilation):
+        return INPUT_ERRORS
     compilation.level = Level(options.simplify)
     match options.emit:
         case "pddl":
@@ -220,6 +269,8 @@ def compile_(options: argparse.Namespace) -> int:
         case _:
             texts = {"model.hoare": compilation.hoare_text}
     _warn(options, compilation)
+    if options.strict and any(d.code == "unmodelled-controller" for d in compilation.found):
+        return INPUT_ERRORS
     if options.output is None:
         print("\n".join(texts.values()), end="")
     else:
@@ -234,6 +285,10 @@ def plan(options: argparse.Namespace) -> int:
     compilation = _problem_compilation(options)
     if compilation is None:
         return USAGE
+    compilation.axioms = options.derived == "axioms"
+    compilation.enumerates = options.numeric == "enumerate"
+    if not _with_functions(options, compilation):
+        return INPUT_ERRORS
     from crow.planning import ENGINES
 
     run = _plan_natively if options.engine in ENGINES else _plan_with_pddl
@@ -283,7 +338,7 @@ def _plan_with_pddl(options: argparse.Namespace, compilation: driver.Compilation
     from cdlc.backends.engines import EngineError
     from cdlc.backends.pddl.solve import InvalidPlan, solve_task
 
-    task, problem = compilation.pddl, compilation.problem
+    task, problem = compilation.planning_task, compilation.problem
     _warn(options, compilation)
     try:
         result = solve_task(
@@ -326,6 +381,8 @@ def validate(options: argparse.Namespace) -> int:
         return _usage("validate takes [DOMAIN] PROBLEM PLAN")
     *files, plan_file = options.files
     compilation = driver.problem_compilation(files)
+    if not _with_functions(options, compilation):
+        return INPUT_ERRORS
     from cdlc.plans.validate import validate as run
 
     _ = compilation.problem
@@ -344,6 +401,8 @@ def simulate(options: argparse.Namespace) -> int:
     compilation = _problem_compilation(options)
     if compilation is None:
         return USAGE
+    if not _with_functions(options, compilation):
+        return INPUT_ERRORS
     from cdlc.plans.simulate import simulate as run
     from cdlc.plans.simulate import state_text
 
@@ -419,6 +478,29 @@ def import_(options: argparse.Namespace) -> int:
     if not imported.texts:
         return INPUT_ERRORS
     write_all({options.output / name: text for name, text in imported.texts.items()})
+    return DONE
+
+
+def engines(options: argparse.Namespace) -> int:
+    """`cdlc engines`: the installed planners, what they take, and whether a task fits."""
+    if len(options.files) > 2:
+        return _usage("engines takes [DOMAIN] [PROBLEM]")
+    from cdlc.backends.engines import EngineError
+    from cdlc.engines import as_json, as_text, listed
+
+    compilation = driver.compilation(options.files) if options.files else None
+    task = None if compilation is None else compilation.pddl
+    if compilation is not None:
+        _warn(options, compilation)
+    try:
+        found = listed(task)
+    except EngineError as error:
+        print(f"error[{error.code}]: {error}", file=sys.stderr)
+        return INPUT_ERRORS
+    if options.format == "json":
+        _print_json(as_json(found))
+    else:
+        print(as_text(found), end="")
     return DONE
 
 

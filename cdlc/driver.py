@@ -18,6 +18,7 @@ from cdlc.source import SourceFile
 from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
+    from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Model
     from crow.problem import Problem
@@ -57,6 +58,9 @@ class Compilation:
     found: Collector = field(default_factory=Collector)
     read_standard_input: Callable[[], bytes] = read_standard_input
     level: Level = Level.BASIC
+    axioms: bool = False
+    enumerates: bool = False
+    functions: "Functions | None" = None
 
     @cached_property
     def files(self) -> Files:
@@ -103,9 +107,22 @@ class Compilation:
 
         assert self.statement is not None
         problem = to_runtime(self.program, self.statement, self.found)
+        if problem is not None and self.functions:
+            from cdlc.backends.functions import tabulated_problem
+
+            problem = tabulated_problem(problem, self.tabulated, self.functions, self.found)
         self._stop_at_errors()
         assert problem is not None
         return problem
+
+    @cached_property
+    def tabulated(self) -> Program:
+        """The program, external functions of objects that are given in Python as features."""
+        if not self.functions:
+            return self.program
+        from cdlc.backends.functions import tabulated
+
+        return tabulated(self.program, self.functions)
 
     @cached_property
     def plannable(self) -> "Problem":
@@ -122,7 +139,7 @@ class Compilation:
         """The formulas of the program."""
         from cdlc.ir.hoare import Model
 
-        return Model(self.program, self.level)
+        return Model(self.tabulated, self.level)
 
     @cached_property
     def triples(self) -> "tuple[Triple, ...]":
@@ -136,12 +153,23 @@ class Compilation:
     @cached_property
     def pddl(self) -> "PddlTask":
         """The PDDL of the domain and, if there is one, of the problem."""
-        from cdlc.backends.pddl import to_pddl
+        from cdlc.backends.pddl import Emission, to_pddl
 
         problem = self.problem if self.statement is not None else None
-        task = to_pddl(self.model, self.triples, problem, self.found)
+        emission = Emission(self.axioms, self.enumerates)
+        task = to_pddl(self.model, self.triples, problem, self.found, emission)
         self._stop_at_errors()
         assert task is not None
+        return task
+
+    @cached_property
+    def planning_task(self) -> "PddlTask":
+        """The PDDL, for a planner: refused where its plans would leave out what methods run."""
+        from cdlc.backends.pddl.fit import report_unplannable
+
+        task = self.pddl
+        report_unplannable(self.tabulated, self.found)
+        self._stop_at_errors()
         return task
 
     @cached_property

@@ -9,6 +9,9 @@ from cdlc.diagnostics import Diagnostic
 from crow.program import Expression, ProblemStatement, Program
 
 if TYPE_CHECKING:
+    from unified_planning.model import Problem as UpProblem
+
+    from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
     from crow.problem import Problem
     from crow.program.triples import Triple
@@ -81,6 +84,15 @@ class Compiled:
         """
         return self._compilation.pddl
 
+    def up(self) -> "UpProblem":
+        """The task as a `unified_planning.model.Problem`; needs a problem and that library.
+
+        Raises CompileError for a program that is not discrete, ValueError as `to_up` does.
+        """
+        from cdlc.backends.up import to_up
+
+        return to_up(self._compilation.pddl)
+
 
 def check(path: Path) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a domain or problem file, warnings too, in source order."""
@@ -92,12 +104,16 @@ def check(path: Path) -> tuple[Diagnostic, ...]:
     return compilation.found.sorted()
 
 
-def compile(domain: Path, problem: Path | None = None) -> Compiled:  # noqa: A001 - the natural name
+def compile(  # noqa: A001 - the natural name
+    domain: Path, problem: Path | None = None, functions: "Functions | None" = None
+) -> Compiled:
     """Compile a domain or problem file, or a problem with another domain than it names.
 
-    Raises CompileError, which holds every diagnostic, if there are errors.
+    `functions` is the Python of external functions by name. Raises CompileError, which holds every
+    diagnostic, if there are errors.
     """
     files = [fspath(domain)] + ([] if problem is None else [fspath(problem)])
     compilation = driver.compilation(files)
     _ = compilation.checked
+    compilation.functions = functions
     return Compiled(compilation)

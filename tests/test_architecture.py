@@ -72,6 +72,7 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     "cdlc.plans": ("cdlc.plans", "cdlc.backends", "cdlc.ir", "cdlc.frontend"),
     "cdlc.verify": ("cdlc.verify", "cdlc.ir"),
     "cdlc.editors": ("cdlc.editors", "cdlc.frontend"),
+    "cdlc.engines": ("cdlc.backends",),
     "cdlc.driver": ("cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
     "cdlc.library": ("cdlc.driver", "cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
     "cdlc.cli": ("cdlc",),
@@ -83,8 +84,8 @@ THIRD_PARTY: Mapping[str, tuple[str, ...]] = {
     "pygments": ("cdlc.editors",),
     "psutil": ("cdlc.backends.engines",),
     "sympy": ("cdlc.ir.algebra",),
-    "unified_planning": ("cdlc.backends.engines.solver",),
     "z3": ("cdlc.verify.smt",),
+    "unified_planning": ("cdlc.backends.engines.solver", "cdlc.backends.up", "cdlc.library"),
 }
 
 

@@ -243,10 +243,10 @@ def test_explanations_name_places() -> None:
 
 
 def test_what_has_no_pddl_is_refused_with_its_place() -> None:
-    text = "typedef ball\nfeature size(b: ball) -> float32\nfeature red(b: ball)\n"
+    text = "typedef ball\nfeature size(b: ball) -> string\nfeature red(b: ball)\n"
     ran = cdlc("compile", "-", "--emit", "pddl", stdin=text)
     assert (ran.status, ran.out) == (1, "")
-    assert "error[not-in-pddl]" in ran.err
+    assert "error[not-discrete]" in ran.err
     assert "-:2:" in ran.err
 
 

@@ -7,12 +7,16 @@ import environment
 
 
 def main(arguments: list[str]) -> int:
-    """Become pytest, so that its exit status and Ctrl-C are the user's."""
+    """Become pytest, so that its exit status and Ctrl-C are the user's.
+
+    Without arguments the whole suite runs, on all cores.
+    """
     status = environment.main(["planners", "verify", "dev"])
     if status == 0:
         python = environment.python_of(environment.ROOT / ".venv")
         os.chdir(environment.ROOT)
-        os.execv(python, [str(python), "-m", "pytest", *arguments])
+        chosen = arguments or ["-n", "auto", "--dist", "worksteal"]
+        os.execv(python, [str(python), "-m", "pytest", *chosen])
     return status
 
 

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from cdlc.diagnostics import Diagnostic
+from cdlc.diagnostics import Diagnostic, Help, Label
+from crow.program import Location, Type
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
@@ -23,21 +24,106 @@ class NoInitialValue(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotInPddl(Diagnostic):
-    """Something that PDDL, or this version's PDDL, has no form for.
+    """Something that PDDL has no form for.
 
-        feature position(x: Object) -> Pose
+        eff:
+          level[x] = level(x) % 3
 
-    Boolean features over objects become predicates. Continuous values, Python functions and
-    features of other types stay with the runtime, which plans with the CDL program itself.
+    PDDL has Boolean, object-valued and numeric features, conditions and effects over them, and
+    `+ - * /`. Everything else stays with the runtime, which plans with the CDL program itself.
     """
 
     construct: str
+    cure: str | None = None
 
     def message(self) -> str:
-        return f"{self.construct} has no PDDL in this version"
+        return f"{self.construct} has no PDDL"
 
     def notes(self) -> tuple[str, ...]:
-        return ("PDDL is emitted for Boolean features of objects",)
+        return () if self.cure is not None else ("the runtime plans with the CDL program itself",)
+
+    def help(self) -> tuple[Help, ...]:
+        return () if self.cure is None else (Help(self.cure),)
+
+
+# A message is no index: past this many uses the rest is counted.
+_MOST_USES = 8
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class NotDiscrete(Diagnostic):
+    """A feature whose values PDDL does not have: vectors, strings, Python objects.
+
+        feature position(x: Object) -> Pose
+
+    PDDL has truth values, objects and numbers. The runtime plans with all values; for a PDDL
+    planner, use a feature over finitely many objects instead.
+    """
+
+    feature: str
+    type: Type
+    uses: tuple[Location, ...]
+
+    def message(self) -> str:
+        return f"feature `{self.feature}` of type `{self.type}` is not discrete: PDDL cannot say it"
+
+    def labels(self) -> tuple[Label, ...]:
+        return tuple(Label(place, "used here") for place in self.uses[:_MOST_USES])
+
+    def notes(self) -> tuple[str, ...]:
+        more = len(self.uses) - _MOST_USES
+        return (f"and {more} more uses",) if more > 0 else ()
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("plan with the runtime, which takes values of every type"),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class UnsetInPddl(Diagnostic):
+    """A feature with objects as values that the initial state leaves without one.
+
+        objects:
+          cup: Item
+        init:
+          pass                 # loc[cup] = table
+
+    In PDDL an object-valued feature is a predicate that holds for exactly one value, so there has
+    to be one from the start.
+    """
+
+    feature: str
+    cells: tuple[str, ...]
+    problem: str
+
+    def message(self) -> str:
+        more = len(self.cells) - 1
+        others = f" nor have {more} more cells" if more else ""
+        return f"`{self.cells[0]}` has no initial value{others}, which PDDL needs"
+
+    def label(self) -> str:
+        return f"unset in the problem `{self.problem}`"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"set `{self.cells[0].replace('(', '[').replace(')', ']')}` in `init:`"),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class FunctionFailed(Diagnostic):
+    """An external function whose Python, given with `--functions`, has no truth value.
+
+        def near(a: place, b: place) -> bool      # def near(a, b): return distance[a, b] < 3
+
+    It is called once for each tuple of objects, with their names, and has to return True or False.
+    """
+
+    call: str
+    reason: str
+
+    def message(self) -> str:
+        return f"`{self.call}` {self.reason}"
+
+    def label(self) -> str:
+        return "declared here"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)

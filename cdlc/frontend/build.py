@@ -11,9 +11,9 @@ from cdlc.source import Span
 
 
 def token_span(token: Token) -> Span:
-    """Where a token of the lexer stands."""
+    """Where a token stands; one read in place of another stands where that did."""
     start = token.start_pos or 0
-    return Span(start, start + len(token))
+    return Span(start, start + len(token) if token.end_pos is None else token.end_pos)
 
 
 def _span(first: Any, last: Any = None) -> Span:

@@ -84,6 +84,7 @@ def _lexed(text: str, start: int, end: int) -> Iterator[Token]:
     whole = start == 0 and end == len(text)
     for token in grammar.parser().lex(text if whole else text[start:end]):
         token.start_pos = (token.start_pos or 0) + start
+        token.end_pos = token.start_pos + len(token)
         yield token
 
 

@@ -196,7 +196,8 @@ def correct(wrong: Unexpected) -> Correction | None:
 
 
 def _instead(wrong: Unexpected, kind: str, text: str, why: str = "") -> Correction:
-    replacement = Token(kind, text, start_pos=wrong.token.start_pos)
+    start, end = token_span(wrong.token)
+    replacement = Token(kind, text, start_pos=start, end_pos=end)
     return Correction(wrong.diagnose(wrong.replace(text, why)), (replacement,))
 
 
@@ -204,7 +205,8 @@ def _closed(wrong: Unexpected) -> Correction:
     """An unclosed string, read as far as a colon or bracket that ends its line."""
     text = wrong.token.rstrip().rstrip(":)]")
     start = wrong.token.start_pos
-    string = Token("STRING", f'{text.rstrip(chr(92))}"', start_pos=start)
+    end = token_span(wrong.token).end
+    string = Token("STRING", f'{text.rstrip(chr(92))}"', start_pos=start, end_pos=end)
     hint = Help("the string is not closed on its line")
     return Correction(wrong.diagnose(hint), (string,))
 
@@ -227,7 +229,8 @@ def _for_over_objects(wrong: Unexpected) -> Correction | None:
     first = wrong.line.tokens[0]
     if first.type != "FOR":
         return None
-    word = Token("FOREACH", "foreach", start_pos=first.start_pos)
+    start, end = token_span(first)
+    word = Token("FOREACH", "foreach", start_pos=start, end_pos=end)
     location = wrong.source.location(token_span(first))
     hint = Help("over the objects of a type: `foreach x: T:`", Replacement(location, "foreach"))
     before = wrong.line.tokens[1 : wrong.line.tokens.index(wrong.token)]

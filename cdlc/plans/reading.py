@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cdlc.backends.pddl.emit import PddlTask
-from cdlc.backends.pddl.plans import PlanFormatError, read_plan, to_step
+from cdlc.backends.pddl.plans import PlanFormatError, arguments_of, read_plan, to_step
 from cdlc.plans.calls import (
     BadStepError,
     WrittenCall,
@@ -122,10 +122,15 @@ def _read_pddl(source: SourceFile, world: World, task: PddlTask) -> Iterator[Pla
     try:
         for line, action, arguments in read_plan(source.text):
             planned = to_step(task, world, action, arguments, line)
+            behavior, values = world.behaviors[planned.behavior], planned.arguments
+            bindings = dict(planned.bindings)
+            if planned.step is not None:
+                values = arguments_of(planned.step, behavior, planned)
+                behavior, bindings = planned.step, {}
             yield PlanStep(
-                world.behaviors[planned.behavior],
-                planned.arguments,
-                dict(planned.bindings),
+                behavior,
+                values,
+                bindings,
                 None,
                 source.line(line).strip(),
                 line_of(source, line),

@@ -1,10 +1,12 @@
 """Checking plans that somebody else made: text or JSON as `plan` prints it, or PDDL."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
+from cdlc.backends.functions import as_reads
 from cdlc.backends.pddl.emit import PddlTask
+from cdlc.backends.pddl.methods import method_steps
 from cdlc.diagnostics import Collector
 from cdlc.frontend.check import CheckedDomain, CheckedProblem
 from cdlc.plans.calls import BadStepError
@@ -15,10 +17,10 @@ from cdlc.plans.traces import TraceFormatError, read_trace
 from cdlc.source import SourceFile
 from crow.plan import call_text
 from crow.problem import Problem, State
-from crow.program import Location
+from crow.program import Location, Program
 from crow.replay import goal_item, replay
-from crow.trace import DoItem
-from crow.transition import Ambiguous, Unmet, apply
+from crow.trace import AssertItem, DoItem, TraceItem
+from crow.transition import Ambiguous, Transition, Unmet, apply
 
 
 class Compiled(Protocol):
@@ -84,7 +86,7 @@ def _apply_all(problem: Problem, steps: Sequence[PlanStep], found: Collector) ->
     position = 0
     while position < len(steps):
         step = steps[position]
-        applied = apply(problem.world, state, step.behavior, step.arguments, step.bindings)
+        applied = _applied(problem, state, step)
         made = [(c.controller, c.arguments) for c in applied.calls]
         match applied.problem:
             case Unmet() as unmet:
@@ -97,11 +99,31 @@ def _apply_all(problem: Problem, steps: Sequence[PlanStep], found: Collector) ->
                 return None
             case None:
                 state = applied.state
-        width = 1 if step.calls is None else max(1, len(made))
+        is_part = step.behavior.effect is None
+        width = 1 if step.calls is None or is_part else max(1, len(made))
         if not _makes_calls(steps[position : position + width], made, found):
             return None
         position += width
     return state
+
+
+def _applied(problem: Problem, state: State, step: PlanStep) -> Transition:
+    """A behavior applied; of a method, which is no single step, the one that makes the call."""
+    program, behavior = problem.world.program, step.behavior
+    whole = apply(problem.world, state, behavior, step.arguments, step.bindings)
+    if behavior.effect is not None or not step.calls:
+        return whole
+    names = [p.name for p in behavior.parameters]
+    values = {**dict(zip(names, step.arguments, strict=True)), **step.bindings}
+    tried = [whole]
+    for part in method_steps(program, behavior):
+        needed = [p.name for p in part.behavior.parameters]
+        if all(name in values for name in needed):
+            arguments = tuple(values[name] for name in needed)
+            applied = apply(problem.world, state, part.behavior, arguments)
+            if [(c.controller, c.arguments) for c in applied.calls] == list(step.calls):
+                tried.append(applied)
+    return next((t for t in reversed(tried) if t.problem is None), tried[-1])
 
 
 def _makes_calls(steps: Sequence[PlanStep], made: list[Call], found: Collector) -> bool:
@@ -163,6 +185,7 @@ def _check_trace(
     except TraceFormatError as error:
         found.add(BadPlan(location=start, reason=str(error)))
         return 0
+    trace = tuple(_with_tables(item, domain.program, problem.world.program) for item in trace)
     made = [(item.controller, item.arguments) for item in trace if isinstance(item, DoItem)]
     claimed = [call for step in steps for call in step.calls or ()]
     replayed = replay(problem.world, problem.initial, trace)
@@ -177,3 +200,11 @@ def _check_trace(
     if reason is not None:
         found.add(BadPlan(location=start, reason=reason))
     return len(trace)
+
+
+def _with_tables(item: TraceItem, declared: Program, tabulated: Program) -> TraceItem:
+    """A trace item with functions of Python as the features they have become."""
+    if declared is tabulated or not isinstance(item, AssertItem):
+        return item
+    names = {f.name for f in tabulated.features} - {f.name for f in declared.features}
+    return replace(item, condition=as_reads(item.condition, frozenset(names)))

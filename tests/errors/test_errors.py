@@ -38,6 +38,8 @@ STAGES = {
     "no-initial-value": "problem",
     "not-in-pddl": "pddl",
     "not-plannable": "plannable",
+    "not-discrete": "pddl",
+    "unset-in-pddl": "pddl",
 }
 # What needs more than a file to happen, with the test of it.
 ELSEWHERE = {
@@ -45,6 +47,7 @@ ELSEWHERE = {
     "not-text": "frontend/parsing/test_robustness.py",
     "line-too-long": "frontend/parsing/test_robustness.py",
     "wrong-file-kind": "frontend/parsing/test_robustness.py",
+    "function-failed": "backends/test_functions.py",
     "pddl-syntax": "frontend/pddl/test_import.py",
     "pddl-name": "frontend/pddl/test_import.py",
     "pddl-unsupported": "frontend/pddl/test_import.py",

@@ -126,7 +126,15 @@ class Simulated:
         (action,) = self.task.actions
         (source,) = action.sources
         values = dict(zip(case.parameters, arguments, strict=True))
-        by_parameter = {p: values[v.name] for v, p in source.variables if p is not None}
+        by_parameter: dict[str, str] = {}
+        for chosen in source.variables:
+            value = values[chosen.variable.name]
+            if chosen.object not in (None, value):
+                return None
+            if chosen.parameter and by_parameter.setdefault(chosen.parameter, value) != value:
+                return None
+        if not all(self.world.is_of(by_parameter[p.name], p.type) for p in action.parameters):
+            return None
         names = [self.task.names.get("object", by_parameter[p.name]) for p in action.parameters]
         objects = [self.pddl.object(name.lower()) for name in names]
         before = self.simulator.get_initial_state()

@@ -15,6 +15,7 @@ and the other side of the process boundary:
 
 from cdlc.backends.engines.catalogue import installed
 from cdlc.backends.engines.result import (
+    Description,
     EngineError,
     EngineFailed,
     EngineMissing,
@@ -23,10 +24,12 @@ from cdlc.backends.engines.result import (
     EngineUnsupported,
     PddlStep,
 )
-from cdlc.backends.engines.run import solve
+from cdlc.backends.engines.run import describe, solve
 
 __all__ = [
     "solve",
+    "describe",
+    "Description",
     "installed",
     "EngineResult",
     "EngineStatus",

@@ -7,7 +7,8 @@ from typing import Final
 from cdlc.backends.engines.result import EngineMissing
 
 # unified-planning's oneshot planners of single-agent tasks and the package each comes in: its
-# DEFAULT_ENGINES, repeated here because reading that table imports unified-planning.
+# DEFAULT_ENGINES, repeated here because reading that table imports unified-planning, and one that
+# has to be registered.
 PACKAGES: Final = MappingProxyType(
     {
         "fast-downward": "up_fast_downward",
@@ -21,10 +22,11 @@ PACKAGES: Final = MappingProxyType(
         "tamer": "up_tamer",
         "lpg": "up_lpg",
         "aries": "up_aries",
+        "kairos": "up_kairos",
     }
 )
 _ALWAYS: Final = ("unified_planning", "psutil")
-_IN_EXTRA: Final = (*_ALWAYS, "up_fast_downward")
+_IN_EXTRA: Final = (*_ALWAYS, "up_fast_downward", "up_kairos")
 
 
 def installed() -> tuple[str, ...]:

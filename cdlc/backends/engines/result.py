@@ -42,6 +42,15 @@ class EngineResult:
 LOG_LIMIT = 8192
 
 
+@dataclass(frozen=True, slots=True)
+class Description:
+    """An installed engine: what it takes, by unified-planning's names, and lacks for a task."""
+
+    name: str
+    accepts: tuple[str, ...]
+    lacks: tuple[str, ...]
+
+
 class EngineError(Exception):
     """An engine could not be run to an answer; `code` names the kind for users."""
 
@@ -71,7 +80,10 @@ class EngineUnsupported(EngineError):  # noqa: N818 - the base class says it
         self.engine, self.features = engine, features
 
     def __str__(self) -> str:
-        return f"engine `{self.engine}` does not support {', '.join(self.features)}"
+        from cdlc.backends.engines.words import lacks_in_words
+
+        lacks = ", ".join(lacks_in_words(self.features))
+        return f"engine `{self.engine}` does not take {lacks}; see `cdlc engines`"
 
 
 class EngineFailed(EngineError):  # noqa: N818 - the base class says it

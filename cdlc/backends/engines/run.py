@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cdlc.backends.engines.catalogue import require
+from cdlc.backends.engines.catalogue import installed, require
 from cdlc.backends.engines.processes import MARK, kill_run
 from cdlc.backends.engines.result import (
     LOG_LIMIT,
+    Description,
     EngineFailed,
     EngineMissing,
     EngineResult,
@@ -67,13 +68,35 @@ def solve(
         "problem": problem,
         "memory_limit_mb": memory_limit_mb,
     }
-    with tempfile.TemporaryDirectory(prefix="cdlc-engine-", ignore_cleanup_errors=True) as name:
-        directory = Path(name).resolve()
-        (directory / "request.json").write_text(json.dumps(request), "utf-8")
-        ended = _run_worker(directory, None if time_limit is None else start + time_limit)
+    ended = _asked(request, None if time_limit is None else start + time_limit)
     status = _status(engine, ended)
     steps = _steps(ended.answer, Spelling.of(domain, problem))
     return EngineResult(status, steps, time.monotonic() - start, engine, ended.log)
+
+
+def describe(domain: str | None = None, problem: str | None = None) -> tuple[Description, ...]:
+    """What each installed engine takes, and what of a task, given as PDDL texts, it does not.
+
+    Raises `EngineFailed` for a task that cannot be read.
+    """
+    names = installed()
+    if not names:
+        return ()
+    ended = _asked({"engines": names, "domain": domain, "problem": problem}, None)
+    if ended.answer["outcome"] != "described":
+        raise EngineFailed("unified-planning", ended.answer["reason"], ended.log)
+    return tuple(
+        Description(d["name"], tuple(d["accepts"]), tuple(d["lacks"]))
+        for d in ended.answer["engines"]
+    )
+
+
+def _asked(request: dict[str, Any], deadline: float | None) -> _Ended:
+    """What a worker makes of a request."""
+    with tempfile.TemporaryDirectory(prefix="cdlc-engine-", ignore_cleanup_errors=True) as name:
+        directory = Path(name).resolve()
+        (directory / "request.json").write_text(json.dumps(request), "utf-8")
+        return _run_worker(directory, deadline)
 
 
 def _run_worker(directory: Path, deadline: float | None) -> _Ended:

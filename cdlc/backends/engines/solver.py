@@ -2,6 +2,9 @@
 
 import platform
 import sys
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import psutil
@@ -10,6 +13,8 @@ from unified_planning.engines.plan_validator import SequentialPlanValidator
 from unified_planning.environment import get_environment
 from unified_planning.io import PDDLReader
 from unified_planning.plans import PlanKind
+
+from cdlc.backends.engines.direct import lacks_directly, needs_direct, solve_directly
 
 # An answer is JSON: {"outcome": "plan", "steps": [[action, argument...]...]}, or an outcome that is
 # another EngineStatus, or "missing" {"engines"}, "unsupported" {"features"}, "failed" {"reason"}.
@@ -31,28 +36,68 @@ class _Refused(Exception):  # noqa: N818 - carries an answer, which need not be 
         self.answer = answer
 
 
+# What engines are told besides the task. Kairos would stop after 30 seconds; that is for `run`.
+_PARAMETERS: Mapping[str, dict[str, Any]] = {"kairos": {"anytime": False, "timeout": 1e6}}
+
+
 def answer(request: dict[str, Any]) -> Answer:
-    """Solve the task of a request as `run` writes it; what is not foreseen is raised."""
+    """Do what a request as `run` writes it asks for; what is not foreseen is raised."""
     try:
-        return _solve(request)
+        return _describe(request) if "engines" in request else _solve(request)
     except _Refused as refused:
         return refused.answer
 
 
 def _solve(request: dict[str, Any]) -> Answer:
-    environment = get_environment()
-    environment.credits_stream = None
+    environment = _environment()
     planner_class = _planner_class(environment.factory, request["engine"])
+    if needs_direct(request["domain"]):
+        _limit_memory(request["memory_limit_mb"])
+        return solve_directly(request, planner_class)
     # Only now: the libraries just imported reserve far more address space than they use.
     _limit_memory(request["memory_limit_mb"])
     problem = _read(request["domain"], request["problem"])
-    _check_support(planner_class, problem.kind)
-    with environment.factory.OneshotPlanner(name=request["engine"]) as planner:
+    is_exempt = _check_support(planner_class, problem)
+    name = request["engine"]
+    parameters = _PARAMETERS.get(name, {})
+    with environment.factory.OneshotPlanner(name=name, params=parameters) as planner:
+        planner.skip_checks = is_exempt
         result = planner.solve(problem)
     _print_messages(result.log_messages)
     if result.plan is None:
         return _without_plan(result.status)
     return _validated(problem, result.plan)
+
+
+def _environment() -> Any:
+    """unified-planning's environment, quiet, with the engines that have to be registered."""
+    environment = get_environment()
+    environment.credits_stream = None
+    if find_spec("up_kairos") is not None:
+        import_module("up_kairos").register(environment)
+    return environment
+
+
+def _describe(request: dict[str, Any]) -> Answer:
+    """What engines take, and which parts of the task, if there is one, they do not."""
+    environment = _environment()
+    kind = None
+    domain = request["domain"]
+    if domain is not None and needs_direct(domain):
+        names = request["engines"]
+        described = [{"name": n, "accepts": [], "lacks": lacks_directly(n, domain)} for n in names]
+        return {"outcome": "described", "engines": described}
+    if domain is not None:
+        kind = _read(domain, request["problem"]).kind
+        if request["problem"] is None:  # numbers have no initial values yet
+            kind.unset_initial_state("UNDEFINED_INITIAL_NUMERIC")
+    described = []
+    for name in request["engines"]:
+        engine = environment.factory.engine(name)
+        supported = engine.supported_kind().features
+        missing = set() if kind is None or engine.supports(kind) else kind.features - supported
+        described.append({"name": name, "accepts": sorted(supported), "lacks": sorted(missing)})
+    return {"outcome": "described", "engines": described}
 
 
 def _planner_class(factory: Any, engine: str) -> Any:
@@ -79,7 +124,7 @@ def _limit_memory(megabytes: int | None) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 
-def _read(domain: str, problem: str) -> Any:
+def _read(domain: str, problem: str | None) -> Any:
     try:
         return PDDLReader().parse_problem_string(domain, problem)
     except (MemoryError, SystemError):  # SystemError is what pyparsing makes of it
@@ -89,11 +134,26 @@ def _read(domain: str, problem: str) -> Any:
         raise _Refused({"outcome": "failed", "reason": reason}) from error
 
 
-def _check_support(planner_class: Any, kind: Any) -> None:
+def _check_support(planner_class: Any, problem: Any) -> bool:
+    """Refuse what the engine does not take; true if its own check would be wrong.
+
+    The reader takes every function for a real one, and some engines want whole costs.
+    """
+    kind = problem.kind
+    has_whole_numbers = all(
+        value.constant_value() == int(value.constant_value())
+        for value in problem.initial_values.values()
+        if value.is_real_constant() or value.is_int_constant()
+    )
+    harmless = {"REAL_NUMBERS_IN_ACTIONS_COST"} if has_whole_numbers else set[str]()
+    is_exempt = False
     for engine in (planner_class, SequentialPlanValidator):
         if not engine.supports(kind):
             features = kind.features - engine.supported_kind().features or kind.features
-            raise _Refused({"outcome": "unsupported", "features": sorted(features)})
+            if features - harmless:
+                raise _Refused({"outcome": "unsupported", "features": sorted(features)})
+            is_exempt = True
+    return is_exempt
 
 
 def _print_messages(messages: Any) -> None:

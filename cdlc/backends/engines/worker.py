@@ -57,7 +57,7 @@ def _solve(directory: Path) -> None:
 
 def _answer(directory: Path) -> None:
     request = json.loads((directory / "request.json").read_text("utf-8"))
-    if request["engine"] in WITHOUT_CONFIG_SPACE:
+    if request.get("engine") in WITHOUT_CONFIG_SPACE:
         sys.modules["ConfigSpace"] = _StandIn("ConfigSpace")
     from cdlc.backends.engines import solver  # imports unified-planning
 

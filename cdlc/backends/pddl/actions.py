@@ -4,38 +4,44 @@ D.6 has seven behaviors for four operators; one action for each of them would co
 many operators again.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
-from cdlc.backends.pddl.conditions import (
-    ALWAYS,
-    NEVER,
-    Lowering,
-    NotPddl,
-    SExpr,
-    atom,
-    condition,
-    typed,
-)
-from cdlc.backends.pddl.names import Names, variable_name
+from cdlc.backends.pddl.conditions import Lowering, condition, typed
+from cdlc.backends.pddl.costs import Charged, Costs, CostTable, charge_of, table_of
+from cdlc.backends.pddl.effects import effects, overruling
+from cdlc.backends.pddl.methods import MethodStep
+from cdlc.backends.pddl.names import Names, imported_name, variable_name
+from cdlc.backends.pddl.normal import NormalTriple, normal
+from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
 from cdlc.ir.hoare import Model
 from cdlc.ir.pool import Pool
 from cdlc.ir.symbolic import Executor
-from crow.program import BOOL, And, Expression, Parameter, Program, Read, Type, Variable
+from crow.program import Expression, Object, Parameter, Program, Type, Variable
 from crow.program.triples import Triple, Update
 from crow.program.types import is_object
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
-    """A behavior an action stands for: its parameters and binds, by the action's parameter.
+class Chosen:
+    """What a variable of a behavior is: a parameter of the action, or always the same object.
 
-    One that the transition does not depend on has none.
+    Neither for a variable that the transition does not depend on.
     """
 
+    variable: Parameter
+    parameter: str | None = None
+    object: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A behavior an action stands for, or a step of one that is a method, and its variables."""
+
     behavior: str
-    variables: tuple[tuple[Parameter, str | None], ...]
+    variables: tuple[Chosen, ...]
+    step: MethodStep | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,24 +56,39 @@ class Action:
     precondition: SExpr
     effects: tuple[SExpr, ...]
     sources: tuple[Source, ...]
+    table: CostTable | None = None
 
 
-def actions(model: Model, triples: Sequence[Triple], names: Names) -> tuple[Action, ...]:
+def normal_forms(model: Model, triples: Sequence[Triple]) -> list[NormalTriple]:
+    """The normal forms of a program's triples. Raises NotPddl."""
+    for triple in triples:
+        _refuse(triple)
+    return [normal(triple, model) for triple in triples]
+
+
+def actions(
+    model: Model,
+    transitions: Sequence[Charged],
+    names: Names,
+    costs: Costs,
+    steps: Mapping[str, MethodStep],
+) -> tuple[Action, ...]:
     """The actions of a program, in the order of their first behaviors; those that can never be
-    applied are left out. Raises NotPddl.
+    applied are left out. `steps` are those of methods, by the names of their behaviors.
+
+    Raises NotPddl.
     """
     groups: list[list[_Ordered]] = []
     index: dict[object, list[_Ordered]] = {}
-    for triple in triples:
-        _refuse(triple)
+    for triple in transitions:
         found = next((o for o in _orders(model, triple) if o.key in index), None)
         if found is not None:
             index[found.key].append(found)
         else:
-            declared = next(_orders(model, triple))
-            index[declared.key] = [declared]
-            groups.append(index[declared.key])
-    made = (_action(model, group, names) for group in groups)
+            first = next(_orders(model, triple))
+            index[first.key] = [first]
+            groups.append(index[first.key])
+    made = (_action(model, group, names, costs, steps) for group in groups)
     return tuple(action for action in made if action is not None)
 
 
@@ -93,23 +114,29 @@ class _Ordered:
     keys.
     """
 
-    triple: Triple
+    charged: Charged
     order: tuple[str, ...]
     key: object
 
+    @property
+    def triple(self) -> Triple:
+        """The triple in normal form."""
+        return self.charged.form.triple
 
-def _orders(model: Model, triple: Triple) -> Iterator[_Ordered]:
+
+def _orders(model: Model, charged: Charged) -> Iterator[_Ordered]:
     """The orders of the variables the transition depends on, the declared one first.
 
     Those of the calls come first, as they stand there.
     """
+    triple = charged.form.triple
     called = _variables((a for call in triple.calls for a in call.arguments), model.pool)
     formulas = (e for u in triple.post for e in (*u.arguments, u.value, u.guard))
     used = {*called, *_variables((*triple.pre, *formulas), model.pool)}
     others = [p.name for p in triple.parameters if p.name in used and p.name not in called]
     for other in permutations(others) if len(others) <= _MOST_ORDERED else [tuple(others)]:
         order = (*called, *other)
-        yield _Ordered(triple, order, _key(model, triple, order))
+        yield _Ordered(charged, order, _key(model, charged, order))
 
 
 def _variables(expressions: Iterable[Expression], pool: Pool) -> tuple[str, ...]:
@@ -118,7 +145,7 @@ def _variables(expressions: Iterable[Expression], pool: Pool) -> tuple[str, ...]
     return tuple(dict.fromkeys(name for e in expressions for name in sorted(free(e))))
 
 
-def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
+def _key(model: Model, charged: Charged, order: tuple[str, ...]) -> object:
     """What two triples must share to be one action: formulas over the places of variables in the
     order, compared by identity.
 
@@ -126,6 +153,7 @@ def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
     not meet makes no difference.
     """
     pool, executor = model.pool, Executor(model.program, model.pool)
+    triple = charged.form.triple
     types = {p.name: p.type for p in triple.parameters}
     places = {name: pool.variable(f"'{i}", types[name]) for i, name in enumerate(order)}
     pre = frozenset(id(pool.substitute(part, places)) for part in triple.pre)
@@ -134,10 +162,13 @@ def _key(model: Model, triple: Triple, order: tuple[str, ...]) -> object:
     )
     updates = tuple(_renamed_update(update, pool, places) for update in triple.post)
     post = frozenset(
-        (_identity(u), frozenset(map(_identity, _overruling(u, updates, executor))))
-        for u in updates
+        (_identity(u), frozenset(map(_identity, overruling(u, updates, executor)))) for u in updates
     )
-    return (tuple(types[name] for name in order), calls, pre, post)
+    cost = (
+        charged.cost.constant,
+        frozenset((id(pool.substitute(r, places)), f) for r, f in charged.cost.terms),
+    )
+    return (tuple(types[name] for name in order), calls, pre, post, cost)
 
 
 def _renamed_update(update: Update, pool: Pool, places: dict[str, Expression]) -> Update:
@@ -159,45 +190,66 @@ def _identity(update: Update) -> tuple[object, ...]:
     return (update.feature, *map(id, formulas))
 
 
-def _overruling(update: Update, post: tuple[Update, ...], executor: Executor) -> tuple[Update, ...]:
-    """The later updates that may put another value into the same cell."""
-    later = post[post.index(update) + 1 :]
-    return tuple(
-        other
-        for other in later
-        if other.feature == update.feature
-        and other.value is not update.value
-        and executor.meets(other, update.arguments) is not executor.pool.false
-    )
-
-
 # --------------------------------------------------------------------------------------- actions
 
 
-def _action(model: Model, group: list[_Ordered], names: Names) -> Action | None:
+def _action(
+    model: Model,
+    group: list[_Ordered],
+    names: Names,
+    costs: Costs,
+    steps: Mapping[str, MethodStep],
+) -> Action | None:
     first = group[0]
     triple = first.triple
     chosen = _parameter_names(model.program, first)
-    lowering = Lowering(names, {name: f"?{chosen[name]}" for name in first.order})
+    lowering = Lowering(names, model.pool, {name: f"?{chosen[name]}" for name in first.order})
     executor = Executor(model.program, model.pool)
     precondition = condition(model.pool.conjunction(triple.pre), lowering)
-    effects = tuple(_effects(triple.post, lowering, executor))
     if precondition == NEVER:
         return None
+    clauses = tuple(effects(triple.post, triple.pre, lowering, executor))
     types = {p.name: p.type for p in triple.parameters}
+    name = _name(triple, names, steps)
+    name = names.add("action", name, _imported(model.program, name))
+    cost = first.charged.cost
+    own = [Parameter(n, types[n]) for n in first.order]
+    table = table_of(cost, own, name, names, costs)
+    charge = charge_of(cost, table, lowering, costs)
     return Action(
-        names.add("action", _name(triple, names)),
+        name,
         tuple(Parameter(chosen[name], types[name]) for name in first.order),
         precondition,
-        effects,
-        tuple(_source(same, [chosen[name] for name in first.order]) for same in group),
+        (*clauses, *charge),
+        tuple(_source(same, [chosen[name] for name in first.order], steps) for same in group),
+        table,
     )
 
 
-def _source(ordered: _Ordered, parameters: list[str]) -> Source:
+def _source(ordered: _Ordered, parameters: list[str], steps: Mapping[str, MethodStep]) -> Source:
     places = dict(zip(ordered.order, parameters, strict=True))
-    variables = tuple((p, places.get(p.name)) for p in ordered.triple.parameters)
-    return Source(ordered.triple.behavior, variables)
+    form = ordered.charged.form
+    variables = tuple(_chosen(v, places, form.fixed) for v in form.variables)
+    step = steps.get(ordered.triple.behavior)
+    return Source(_origin(ordered.triple, steps), variables, step)
+
+
+def _origin(triple: Triple, steps: Mapping[str, MethodStep]) -> str:
+    """The behavior of the program behind a triple."""
+    step = steps.get(triple.behavior)
+    return triple.behavior if step is None else step.method.name
+
+
+def _chosen(
+    variable: Parameter, places: Mapping[str, str], fixed: Mapping[str, Expression]
+) -> Chosen:
+    match fixed.get(variable.name):
+        case Object(name=name):
+            return Chosen(variable, object=name)
+        case Variable(name=name):
+            return Chosen(variable, places.get(name))
+        case _:
+            return Chosen(variable, places.get(variable.name))
 
 
 def _parameter_names(program: Program, ordered: _Ordered) -> dict[str, str]:
@@ -214,70 +266,24 @@ def _parameter_names(program: Program, ordered: _Ordered) -> dict[str, str]:
     return chosen
 
 
-def _name(triple: Triple, names: Names) -> str:
-    """The only controller's name if it is free, else the behavior's."""
+def _imported(program: Program, name: str) -> str | None:
+    """What the controller of a name was called in the PDDL it was imported from."""
+    found = (imported_name(c) for c in program.controllers if c.name == name)
+    return next(found, None)
+
+
+def _name(triple: Triple, names: Names, steps: Mapping[str, MethodStep]) -> str:
+    """The only controller's name if it is free, else the behavior's, numbered from the second."""
     if len(triple.calls) == 1:
         name = triple.calls[0].controller
         if not names.has("action", name):
             return name
-    return triple.behavior
-
-
-def _effects(post: tuple[Update, ...], lowering: Lowering, executor: Executor) -> Iterator[SExpr]:
-    """The clauses of an effect: simultaneous, with PDDL's add after delete.
-
-    An earlier update is guarded against a later one in the same cell, except where the later one
-    adds: then both fire, and the add wins.
-    """
-    pool = executor.pool
-    for update in post:
-        overruled = [
-            pool.negation(executor.meets(other, update.arguments))
-            for other in _overruling(update, post, executor)
-            if other.value is not pool.true
-        ]
-        guard = pool.conjunction((update.guard, *overruled))
-        yield from _clauses(update, guard, lowering, executor)
-
-
-def _clauses(
-    update: Update, guard: Expression, lowering: Lowering, executor: Executor
-) -> Iterator[SExpr]:
-    """The add and the delete of one update."""
-    pool = executor.pool
-    bound = tuple(Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable))
-    inner = lowering.with_variables(bound)
-    cell = pool.read(update.feature, update.arguments, BOOL)
-    assert isinstance(cell, Read)
-    written = atom(cell, inner)
-    adds, deletes = _when_written(update, guard, cell, pool)
-    for when, effect in ((deletes, ("not", written)), (adds, written)):
-        lowered = condition(when, inner)
-        if lowered == NEVER:
-            continue
-        clause: SExpr = effect if lowered == ALWAYS else ("when", lowered, effect)
-        if bound:
-            named = [(inner.variables[v.name], v.type) for v in bound]
-            clause = ("forall", typed(named, inner.names), clause)
-        yield clause
-
-
-def _when_written(
-    update: Update, guard: Expression, cell: Expression, pool: Pool
-) -> tuple[Expression, Expression]:
-    """When an update adds and when it deletes.
-
-    An add is needed only where the cell is false before, a delete only where it is true.
-    """
-    known = guard.operands if isinstance(guard, And) else (guard,)
-    from_false = pool.given(update.value, (*known, pool.negation(cell)))
-    from_true = pool.given(update.value, (*known, cell))
-    deletes = pool.conjunction((guard, pool.negation(from_true)))
-    if from_false is from_true:
-        return pool.conjunction((guard, from_true)), deletes
-    # Where the cell is true and becomes false, the add must not fire: it would win.
-    stays = pool.disjunction((pool.negation(cell), from_true))
-    return pool.conjunction((guard, from_false, stays)), deletes
+    name = origin = _origin(triple, steps)
+    number = 1
+    while names.has("action", name):
+        number += 1
+        name = f"{origin}-{number}"
+    return name
 
 
 def parameter_list(action: Action, names: Names) -> tuple[SExpr, ...]:

@@ -1,10 +1,27 @@
-"""Formulas to PDDL conditions, as nested tuples that `emit` prints."""
+"""Formulas to PDDL conditions."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TypeGuard
 
+from cdlc.backends.pddl.cases import cases, grouped, has_choice
 from cdlc.backends.pddl.names import Names, variable_name
-from cdlc.ir.graph import in_order
+from cdlc.backends.pddl.numbers import comparison
+from cdlc.backends.pddl.sexpr import (
+    ALWAYS,
+    MOST_PARTS,
+    NEVER,
+    NotPddl,
+    SExpr,
+    TooLarge,
+    either,
+    joined,
+    negated,
+    written_size,
+)
+from cdlc.ir.graph import in_order, parts
 from cdlc.ir.names import shown_name
+from cdlc.ir.pool import Pool
 from crow.program import (
     OBJECT,
     And,
@@ -13,7 +30,6 @@ from crow.program import (
     Conditional,
     Constant,
     Expression,
-    Location,
     Not,
     Object,
     Or,
@@ -24,36 +40,19 @@ from crow.program import (
     Variable,
     Xor,
 )
-from crow.program.types import is_boolean, is_object
+from crow.program.types import is_boolean, is_number, is_object
 from crow.text import expression_text
-
-SExpr = str | tuple["SExpr", ...]
-
-ALWAYS: SExpr = ("and",)
-NEVER: SExpr = ("or",)
-
-
-class NotPddl(Exception):  # noqa: N818 - becomes a diagnostic
-    """An expression that PDDL cannot say, with its place."""
-
-    def __init__(self, construct: str, location: Location | None) -> None:
-        super().__init__(construct)
-        self.construct = construct
-        self.location = location
-
-
-# Past this a condition is no text that anyone reads, and planners choke on it.
-_MOST_PARTS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
 class Lowering:
-    """How names of one action, or of the goal, are written: `variables` maps to `?x`."""
+    """How formulas of one action, or of the goal, are written: `variables` maps to `?x`."""
 
     names: Names
-    variables: dict[str, str]
+    pool: Pool
+    variables: Mapping[str, str]
     # What was lowered already, by identity: formulas are graphs.
-    _done: dict[int, "SExpr"] = field(default_factory=dict)
+    _done: dict[int, SExpr] = field(default_factory=dict)
 
     def with_variables(self, variables: tuple[Parameter, ...]) -> "Lowering":
         """As before, with quantified variables, named apart from those around them."""
@@ -63,9 +62,9 @@ class Lowering:
             name = variable_name(shown_name(variable, ()), taken)
             taken.add(name)
             inner[variable.name] = f"?{name}"
-        return Lowering(self.names, inner)
+        return Lowering(self.names, self.pool, inner)
 
-    def lowered(self, node: Expression) -> "SExpr":
+    def lowered(self, node: Expression) -> SExpr:
         """A Boolean expression as a PDDL condition, however large."""
         if id(node) not in self._done:
             self._done[id(node)] = _lowered(node, self)
@@ -75,18 +74,10 @@ class Lowering:
 def condition(node: Expression, lowering: Lowering) -> SExpr:
     """A Boolean expression as a PDDL condition. Raises NotPddl, also for one of endless text."""
     formula = lowering.lowered(node)
-    if _written_size(formula, {}) > _MOST_PARTS:
+    if written_size(formula) > MOST_PARTS:
         location = next((p.location for p in in_order(node) if p.location), None)
-        raise NotPddl("a condition that is too large when written out", location)
+        raise TooLarge("a condition that is too large when written out", location)
     return formula
-
-
-def _written_size(formula: SExpr, known: dict[int, int]) -> int:
-    if isinstance(formula, str):
-        return 1
-    if id(formula) not in known:
-        known[id(formula)] = sum(_written_size(part, known) for part in formula)
-    return known[id(formula)]
 
 
 def _lowered(node: Expression, lowering: Lowering) -> SExpr:
@@ -96,44 +87,131 @@ def _lowered(node: Expression, lowering: Lowering) -> SExpr:
             return ALWAYS
         case Constant(value=False):
             return NEVER
-        case Read():
-            return atom(node, lowering)
         case Not(operand=operand):
-            return _negated(of(operand))
+            return negated(of(operand))
         case And(operands=operands):
-            return _joined("and", list(map(of, operands)))
+            return joined("and", list(map(of, operands)))
         case Or(operands=operands):
-            return _joined("or", list(map(of, operands)))
+            return joined("or", list(map(of, operands)))
         case Xor(left=left, right=right):
-            return _either(of(left), of(right))
-        case Compare(operator="==" | "!=", left=left) if is_object(left.type):
-            return _equality(node, lowering)
+            return either(of(left), of(right))
         case Compare(operator="==" | "!=" as op, left=left, right=right) if is_boolean(left.type):
-            other = of(right) if op == "!=" else _negated(of(right))
-            return _either(of(left), other)
+            other = of(right) if op == "!=" else negated(of(right))
+            return either(of(left), other)
         case Conditional(condition=test, then=then, otherwise=otherwise):
-            yes = _joined("and", [of(test), of(then)])
-            no = _joined("and", [_negated(of(test)), of(otherwise)])
-            return _joined("or", [yes, no])
+            yes = joined("and", [of(test), of(then)])
+            no = joined("and", [negated(of(test)), of(otherwise)])
+            return joined("or", [yes, no])
         case Quantified():
             return _quantified(node, lowering)
+        case Read() | Compare() | Apply():
+            return _atomic(node, lowering)
         case _:
-            raise NotPddl(_described(node), node.location)
+            raise NotPddl(described(node), node.location)
 
 
 def _quantified(node: Quantified, lowering: Lowering) -> SExpr:
-    inner = lowering.with_variables(node.variables)
-    body = inner.lowered(node.body)
+    # Apart from all others, because formulas that are built inside may have quantifiers, too.
+    opened = {v.name: lowering.pool.fresh(v) for v in node.variables}
+    variables = tuple(Parameter(v.name, v.type) for v in opened.values() if is_variable(v))
+    inner = lowering.with_variables(variables)
+    body = inner.lowered(lowering.pool.substitute(node.body, opened))
     if body == (ALWAYS if node.quantifier == "forall" else NEVER):
         return body
-    declared = typed([(inner.variables[v.name], v.type) for v in node.variables], inner.names)
+    declared = typed([(inner.variables[v.name], v.type) for v in variables], inner.names)
     return (node.quantifier, declared, body)
 
 
+def is_variable(node: Expression) -> TypeGuard[Variable]:
+    """Whether an expression is a variable."""
+    return isinstance(node, Variable)
+
+
+# ------------------------------------------------------------------------------------------- atoms
+
+
+def _atomic(node: Expression, lowering: Lowering) -> SExpr:
+    """A predicate or comparison whose terms may hold choices and reads of object features."""
+    pool = lowering.pool
+    if has_choice(node):
+        ways = grouped(pool, cases(pool, (node,), location=node.location))
+        parts_ = [pool.conjunction((when, value)) for when, (value,) in ways]
+        return joined("or", [lowering.lowered(part) for part in parts_])
+    found = nested_read(node, pool)
+    if found is not None:
+        return lowering.lowered(_opened(node, found, pool))
+    match node:
+        case Compare(operator=operator, left=left, right=right) if is_object(left.type):
+            equal = _equality(left, right, lowering)
+            return equal if operator == "==" else negated(equal)
+        case Compare(left=left) if is_number(left.type):
+            return comparison(node, lambda read: atom(read, lowering))
+        case Read() if is_boolean(node.type):
+            return atom(node, lowering)
+        case Apply(function=name, arguments=arguments) if lowering.names.has("derived", name):
+            return (
+                lowering.names.get("derived", name),
+                *(term(a, lowering) for a in arguments),
+            )
+        case Apply(function=name) if is_boolean(node.type):
+            cure = "give the Python of a function of objects with `--functions FILE.py`"
+            raise NotPddl(described(node), node.location, cure)
+        case _:
+            raise NotPddl(described(node), node.location)
+
+
+def nested_read(node: Expression, pool: Pool) -> Read | None:
+    """An innermost read of an object where PDDL takes a variable only.
+
+    `loc(x) == p` is an atom as it stands, if every object of the type of `p` can be a `loc`.
+    """
+    plain = as_value(node, pool)
+    for part in in_order(node, into_quantifiers=False):
+        if isinstance(part, Read) and is_object(part.type) and (not plain or part is not plain[0]):
+            return part
+    return None
+
+
+def as_value(node: Expression, pool: Pool) -> tuple[Read, Expression] | None:
+    """The read and the variable or object of `loc(x) == p`, in either order."""
+    if not isinstance(node, Compare) or node.operator not in ("==", "!="):
+        return None
+    for read, leaf in ((node.left, node.right), (node.right, node.left)):
+        if isinstance(read, Read) and isinstance(leaf, Variable | Object):
+            is_plain = all(isinstance(a, Variable | Object) for a in read.arguments)
+            fits = is_object(leaf.type) and pool.hierarchy.is_subtype(leaf.type, read.type)
+            return (read, leaf) if is_plain and fits else None
+    return None
+
+
+def _opened(node: Expression, read: Read, pool: Pool) -> Expression:
+    """`clear(loc(x))` as `exists p: loc(x) == p and clear(p)`: a feature has just one value."""
+    value = pool.fresh(Parameter(read.feature, read.type))
+    body = pool.rebuild(node, {}, lambda part: value if part is read else part)
+    if isinstance(node, Compare) and is_object(node.left.type) and not _has_read(body):
+        # The same, and unified-planning cannot take `exists` of a variable of a narrower type.
+        other = pool.disjunction((pool.negation(pool.equal(read, value)), body))
+        return pool.quantified("forall", (value,), other)
+    return pool.quantified("exists", (value,), pool.conjunction((pool.equal(read, value), body)))
+
+
+def _has_read(node: Expression) -> bool:
+    return any(isinstance(part, Read) for part in in_order(node))
+
+
+def _equality(left: Expression, right: Expression, lowering: Lowering) -> SExpr:
+    for read, value in ((left, right), (right, left)):
+        if isinstance(read, Read):
+            written = atom(read, lowering)
+            assert isinstance(written, tuple)
+            return (*written, term(value, lowering))
+    return ("=", term(left, lowering), term(right, lowering))
+
+
 def atom(node: Read, lowering: Lowering) -> SExpr:
-    """A read of a Boolean feature as an atom. Raises NotPddl."""
-    if not is_boolean(node.type):
-        raise NotPddl(_described(node), node.location)
+    """A read as a predicate or function with its arguments. Raises NotPddl."""
+    if not lowering.names.has("feature", node.feature):
+        raise NotPddl(described(node), node.location)
     arguments = [term(a, lowering) for a in node.arguments]
     return (lowering.names.get("feature", node.feature), *arguments)
 
@@ -146,7 +224,7 @@ def term(node: Expression, lowering: Lowering) -> str:
         case Object(name=name):
             return lowering.names.get("object", name)
         case _:
-            raise NotPddl(_described(node), node.location)
+            raise NotPddl(described(node), node.location)
 
 
 def typed(names: list[tuple[str, Type]], pddl_names: Names) -> tuple[SExpr, ...]:
@@ -166,42 +244,14 @@ def type_name(type_: Type, names: Names) -> str:
     return OBJECT.name if type_ == OBJECT else names.get("type", str(type_))
 
 
-def _equality(node: Compare, lowering: Lowering) -> SExpr:
-    equal: SExpr = ("=", term(node.left, lowering), term(node.right, lowering))
-    return equal if node.operator == "==" else _negated(equal)
-
-
-def _either(left: SExpr, right: SExpr) -> SExpr:
-    one = _joined("and", [left, _negated(right)])
-    return _joined("or", [one, _joined("and", [_negated(left), right])])
-
-
-def _negated(inner: SExpr) -> SExpr:
-    if inner in (ALWAYS, NEVER):
-        return NEVER if inner == ALWAYS else ALWAYS
-    match inner:
-        case ("not", operand):
-            return operand
+def described(node: Expression) -> str:
+    """An expression in words, for messages."""
+    match node:
+        case Apply(function=name):
+            return f"the external function `{name}`"
+        case Read(feature=name, type=type_):
+            return f"`{name}` of type `{type_}`"
+        case _ if any(isinstance(p, Apply) for p in parts(node)):
+            return described(next(p for p in parts(node) if isinstance(p, Apply)))
         case _:
-            return ("not", inner)
-
-
-def _joined(word: str, parts: list[SExpr]) -> SExpr:
-    """A conjunction or disjunction, folded, without nested ones of its kind."""
-    decisive = NEVER if word == "and" else ALWAYS
-    flat: list[SExpr] = []
-    for part in parts:
-        if part == decisive:
-            return decisive
-        if part in (ALWAYS, NEVER):
-            continue
-        flat += part[1:] if isinstance(part, tuple) and part[0] == word else (part,)
-    return flat[0] if len(flat) == 1 else (word, *flat)
-
-
-def _described(node: Expression) -> str:
-    if isinstance(node, Apply):
-        return f"the external function `{node.function}`"
-    if isinstance(node, Read):
-        return f"`{node.feature}` of type `{node.type}`"
-    return f"`{expression_text(node)}`"
+            return f"`{expression_text(node)}`"

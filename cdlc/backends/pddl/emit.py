@@ -1,37 +1,35 @@
-"""The text of a PDDL domain and problem: deterministic, readable, no larger than a person's."""
+"""PDDL of a program and a problem, or diagnostics for what is not discrete."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import groupby
 
 from cdlc.backends.errors import NotInPddl
-from cdlc.backends.pddl.actions import Action, actions, parameter_list
-from cdlc.backends.pddl.conditions import (
-    NEVER,
-    Lowering,
-    NotPddl,
-    SExpr,
-    condition,
-    type_name,
-    typed,
+from cdlc.backends.pddl.actions import Action, actions, normal_forms
+from cdlc.backends.pddl.axioms import (
+    axioms,
+    is_predicate,
+    opaque_model,
+    opaque_triples,
+    used_axioms,
 )
-from cdlc.backends.pddl.names import Names, legal_name, variable_name
+from cdlc.backends.pddl.conditions import Lowering, atom, condition
+from cdlc.backends.pddl.costs import Costs, charged
+from cdlc.backends.pddl.domain import Domain, domain_text
+from cdlc.backends.pddl.enumerated import enumerated
+from cdlc.backends.pddl.fit import report_unfit, report_unmodelled, report_unset
+from cdlc.backends.pddl.methods import MethodStep, method_steps
+from cdlc.backends.pddl.names import Names, imported_name
+from cdlc.backends.pddl.normal import plain
+from cdlc.backends.pddl.numbers import numeric
+from cdlc.backends.pddl.problems import problem_text
+from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr, TooLarge, words
 from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model
 from cdlc.ir.updates import NotModelled
 from crow.problem import Problem
-from crow.program import (
-    Behavior,
-    Do,
-    Feature,
-    Location,
-    ObjectType,
-    Program,
-)
+from crow.program import Feature, Location, Program
 from crow.program.triples import Triple
-from crow.program.types import is_boolean
-from crow.program.walk import statements_within
 
 
 @dataclass(frozen=True)
@@ -47,6 +45,7 @@ class PddlTask:
     domain: str
     problem: str | None
     is_hopeless: bool = False
+    has_axioms: bool = False
 
     @cached_property
     def actions_by_name(self) -> dict[str, Action]:
@@ -54,38 +53,145 @@ class PddlTask:
         return {action.name.lower(): action for action in self.actions}
 
 
+@dataclass(frozen=True, slots=True)
+class Emission:
+    """How a program is emitted.
+
+    `axioms` keeps derived functions as `:derived` predicates, `enumerates` makes whole numbers with
+    bounds objects; with both, derived functions are unfolded.
+    """
+
+    axioms: bool = False
+    enumerates: bool = False
+
+
 def to_pddl(
-    model: Model, triples: tuple[Triple, ...], problem: Problem | None, found: Collector
+    model: Model,
+    triples: Sequence[Triple],
+    problem: Problem | None,
+    found: Collector,
+    emission: Emission = Emission(),
 ) -> PddlTask | None:
-    """Emit a program and, if given, a problem. None, with diagnostics, for what is not discrete."""
-    program = model.program
-    before = len(found.found)
-    _report_unfit(program, found)
-    if len(found.found) > before:
+    """Emit a program and, if given, a problem. None, with diagnostics, for what is not discrete.
+
+    Derived functions become `:derived` predicates also where unfolding them has no end.
+    """
+    before = found.errors
+    report_unfit(model.program, found)
+    report_unmodelled(model.program, found)
+    if problem is not None:
+        report_unset(problem, found)
+    if found.errors > before:
         return None
+    try:
+        return _smallest(model, triples, problem, emission)
+    except NotPddl as refused:
+        location = refused.location or Location("", 1, 1, 1, 1)
+        found.add(NotInPddl(location=location, construct=refused.construct, cure=refused.cure))
+        return None
+
+
+def _smallest(
+    model: Model, triples: Sequence[Triple], problem: Problem | None, emission: Emission
+) -> PddlTask:
+    """The task with its derived functions unfolded, if that has an end and is wanted."""
+    if emission.enumerates:
+        return _enumerated(model, triples, problem)
+    if not any(map(is_predicate, model.program.functions)):
+        return _task(model, model, triples, problem)
+    if not emission.axioms:
+        try:
+            return _task(model, model, triples, problem)
+        except TooLarge:
+            pass
+    opaque = opaque_model(model)
+    wanted = {triple.behavior for triple in triples}
+    behaviors = [b for b in model.program.behaviors if b.name in wanted]
+    return _task(opaque, model, tuple(opaque_triples(opaque, model, behaviors)), problem)
+
+
+def _enumerated(model: Model, triples: Sequence[Triple], problem: Problem | None) -> PddlTask:
+    """The task with objects for numbers."""
+    all_, steps = _with_methods(model, triples)
+    inside, made, stated = enumerated(model, all_, problem)
+    return _task_of(inside, inside, made, steps, stated)
+
+
+def _task(
+    model: Model, unfolding: Model, triples: Sequence[Triple], problem: Problem | None
+) -> PddlTask:
+    """The task in the formulas of a model; `unfolding` is that which unfolds all it can."""
+    all_, steps = _with_methods(model, triples)
+    return _task_of(model, unfolding, all_, steps, problem)
+
+
+def _task_of(
+    model: Model,
+    unfolding: Model,
+    all_: Sequence[Triple],
+    steps: dict[str, MethodStep],
+    problem: Problem | None,
+) -> PddlTask:
+    """The task of all transitions, `steps` of methods among them."""
+    program = unfolding.program
+    names = _names(program)
+    kept = axioms(model, unfolding, names)
+    transitions, costs = charged(unfolding, normal_forms(model, all_), problem)
+    made = actions(model, transitions, names, costs, steps)
+    if not made:  # nothing to charge for
+        costs = Costs()
+    renamed = names.changed()
+    goal = None if problem is None else _goal(model, problem, names)
+    metric = None if problem is None else _metric(model, problem, names, costs)
+    others = (goal or (), metric or (), *(a.body for a in kept))
+    features = tuple(_features(program, names, made, costs, others))
+    formulas = [f for a in made for f in (a.precondition, *a.effects)]
+    used = used_axioms(kept, [*others[:2], *formulas])
+    domain = Domain(program, names, made, features, costs, used, () if goal is None else (goal,))
+    heading = _heading("domain", program.name) + _renamings(renamed) + _scaling(costs)
+    text = heading + domain_text(domain)
+    if problem is None or goal is None:
+        return PddlTask(program, made, names, text, None, has_axioms=bool(used))
+    own = _renamings(names.changed()[len(renamed) :])
+    stated = _heading("problem", problem.name) + own + problem_text(problem, goal, domain, metric)
+    is_hopeless = goal == NEVER
+    return PddlTask(program, made, names, text, stated, is_hopeless, has_axioms=bool(used))
+
+
+def _with_methods(
+    model: Model, triples: Sequence[Triple]
+) -> tuple[list[Triple], dict[str, MethodStep]]:
+    """The triples of behaviors and of the steps of methods, in source order; and those steps."""
+    steps: dict[str, MethodStep] = {}
+    by_behavior: dict[str, list[Triple]] = {}
+    for triple in triples:
+        by_behavior.setdefault(triple.behavior, []).append(triple)
+    for method in model.program.behaviors:
+        if method.effect is None:
+            for step in method_steps(model.program, method):
+                steps[step.behavior.name] = step
+                by_behavior.setdefault(method.name, []).extend(_triples_of(model, step))
+    names = [b.name for b in model.program.behaviors]
+    return [t for name in names for t in by_behavior.get(name, ())], steps
+
+
+def _triples_of(model: Model, step: MethodStep) -> tuple[Triple, ...]:
+    try:
+        return model.triples(step.behavior)
+    except NotModelled as refused:
+        raise NotPddl(refused.construct, refused.location) from None
+
+
+def _names(program: Program) -> Names:
     names = Names()
     for type_ in program.types:
         if type_.is_object:
-            names.add("type", type_.name)
+            names.add("type", type_.name, imported_name(type_))
     for feature in program.features:
-        names.add("feature", feature.name)
+        names.add("feature", feature.name, imported_name(feature))
     for constant in program.constants:
-        names.add("object", constant.name)
-    try:
-        made = actions(model, triples, names)
-        renamed = names.changed()
-        goal = None if problem is None else _goal(model, problem, names)
-    except NotPddl as refused:
-        location = refused.location or Location("", 1, 1, 1, 1)
-        found.add(NotInPddl(location=location, construct=refused.construct))
-        return None
-    domain = _renamings(renamed) + _domain(program, made, names, goal)
-    domain = _heading("domain", program.name) + domain
-    if problem is None or goal is None:
-        return PddlTask(program, made, names, domain, None)
-    text = _renamings(names.changed()[len(renamed) :]) + _problem(program, problem, goal, names)
-    text = _heading("problem", problem.name) + text
-    return PddlTask(program, made, names, domain, text, is_hopeless=goal == NEVER)
+        names.add("object", constant.name, imported_name(constant))
+    return names
 
 
 def _heading(kind: str, name: str) -> str:
@@ -98,202 +204,46 @@ def _renamings(renamed: list[tuple[str, str]]) -> str:
     return "; Names that PDDL does not take or tell apart:\n" + "".join(lines) if lines else ""
 
 
-def _report_unfit(program: Program, found: Collector) -> None:
-    """Report features that are no predicates, and methods whose controllers no action would run."""
-    for feature in program.features:
-        if not is_boolean(feature.type):
-            location = feature.location or Location("", 1, 1, 1, 1)
-            construct = f"feature `{feature.name}` of type `{feature.type}`"
-            found.add(NotInPddl(location=location, construct=construct))
-    for behavior in program.behaviors:
-        if behavior.effect is None:
-            for call in _calls(behavior):
-                location = call.location or Location("", 1, 1, 1, 1)
-                construct = f"`{call.controller}` run by `{behavior.name}`, which has no effect,"
-                found.add(NotInPddl(location=location, construct=construct))
+def _features(
+    program: Program,
+    names: Names,
+    made: Sequence[Action],
+    costs: Costs,
+    others: tuple[SExpr, ...],
+) -> Iterator[Feature]:
+    """The features that PDDL keeps: not those that only are, or are put into, costs of actions."""
+    gone = set(costs.weights)
+    tabled = {read.feature for a in made if a.table for read, _ in a.table.cost.terms}
+    if tabled:
+        formulas = [f for a in made for f in (a.precondition, *a.effects)]
+        used = {word for f in (*formulas, *others) for word in words(f)}
+        gone |= {name for name in tabled if names.get("feature", name) not in used}
+    return (f for f in program.features if f.name not in gone)
 
 
-def _calls(behavior: Behavior) -> Iterator[Do]:
-    return (s for s in statements_within(behavior.body) if isinstance(s, Do))
+def _scaling(costs: Costs) -> str:
+    return f"; Costs are multiplied by {costs.scale} to be whole.\n" if costs.scale != 1 else ""
+
+
+def _metric(model: Model, problem: Problem, names: Names, costs: Costs) -> SExpr | None:
+    """What planners are to minimize, if anything."""
+    if costs.are_used:
+        return ("total-cost",)
+    if problem.minimize is None:
+        return None
+    lowering = Lowering(names, model.pool, {})
+    minimize = plain(model.formula(problem.minimize), model.pool)
+    try:
+        return numeric(minimize, lambda read: atom(read, lowering))
+    except NotPddl as refused:
+        raise NotPddl(refused.construct, problem.minimize.location, refused.cure) from None
 
 
 def _goal(model: Model, problem: Problem, names: Names) -> SExpr:
-    if problem.minimize is not None:
-        raise NotPddl("`minimize`", problem.minimize.location)
     for name in problem.world.objects:
         names.add("object", name)
     try:
         goal = model.formula(problem.goal)
     except NotModelled as refused:
         raise NotPddl(refused.construct, refused.location) from None
-    return condition(goal, Lowering(names, {}))
-
-
-# ------------------------------------------------------------------------------------------ domain
-
-
-def _domain(program: Program, made: tuple[Action, ...], names: Names, goal: SExpr | None) -> str:
-    parts = [
-        f"(:requirements {' '.join(_requirements(program, made, goal))})",
-        *_types(program, names),
-        *_constants(program, names),
-        *_predicates(program, names),
-        *(_action(action, names) for action in made),
-    ]
-    return f"(define (domain {legal_name(program.name)})\n{_sections(parts)})\n"
-
-
-def _sections(parts: list[str]) -> str:
-    return "\n".join("  " + part.replace("\n", "\n  ") for part in parts)
-
-
-def _requirements(program: Program, made: tuple[Action, ...], goal: SExpr | None) -> Iterator[str]:
-    """The requirements that are used, in the order of the PDDL manuals."""
-    conditions = [a.precondition for a in made] + ([] if goal is None else [goal])
-    guards = [guard for a in made for e in a.effects for guard in _guards(e)]
-    conditions += guards
-    words = {word for c in conditions for word in _words(c)}
-    yield ":strips"
-    if any(type_.is_object for type_ in program.types):
-        yield ":typing"
-    if "not" in words:
-        yield ":negative-preconditions"
-    if "or" in words or any(_negates_compound(c) for c in conditions):
-        yield ":disjunctive-preconditions"
-    if "=" in words:
-        yield ":equality"
-    if "exists" in words:
-        yield ":existential-preconditions"
-    if "forall" in words:
-        yield ":universal-preconditions"
-    if guards or any(e[0] == "forall" for a in made for e in a.effects):
-        yield ":conditional-effects"
-
-
-def _guards(effect: SExpr) -> Iterator[SExpr]:
-    match effect:
-        case ("when", guard, _):
-            yield guard
-        case ("forall", _, inner):
-            yield from _guards(inner)
-        case _:
-            return
-
-
-def _words(formula: SExpr) -> Iterator[str]:
-    if isinstance(formula, tuple) and formula:
-        if isinstance(formula[0], str):
-            yield formula[0]
-        for part in formula[1:]:
-            yield from _words(part)
-
-
-def _negates_compound(formula: SExpr) -> bool:
-    match formula:
-        case ("not", ("and" | "exists" | "forall", *_)):
-            return True
-        case tuple():
-            return any(_negates_compound(part) for part in formula)
-        case _:
-            return False
-
-
-def _types(program: Program, names: Names) -> Iterator[str]:
-    """Types with their parents; siblings together, and roots last, as people write them."""
-    listed = [(t.name, str(t.base)) for t in program.types if t.is_object]
-    if not listed:
-        return
-    if all(parent == "object" for _, parent in listed):
-        yield f"(:types {' '.join(names.get('type', name) for name, _ in listed)})"
-        return
-    by_parent: dict[str, list[str]] = {}
-    for name, parent in listed:
-        by_parent.setdefault(parent, []).append(names.get("type", name))
-    lines = [
-        f"{' '.join(children)} - {type_name(ObjectType(parent), names)}"
-        for parent, children in sorted(by_parent.items(), key=lambda item: item[0] == "object")
-    ]
-    yield "(:types\n  " + "\n  ".join(lines) + ")"
-
-
-def _constants(program: Program, names: Names) -> Iterator[str]:
-    if program.constants:
-        listed = [(names.get("object", c.name), c.type) for c in program.constants]
-        yield _printed((":constants", *typed(listed, names)))
-
-
-def _predicates(program: Program, names: Names) -> Iterator[str]:
-    lines = [_printed(_predicate(feature, names)) for feature in program.features]
-    if lines:
-        yield "(:predicates\n  " + "\n  ".join(lines) + ")"
-
-
-def _predicate(feature: Feature, names: Names) -> SExpr:
-    chosen: list[str] = []
-    for parameter in feature.parameters:
-        chosen.append(variable_name(parameter.name, chosen))
-    types = [parameter.type for parameter in feature.parameters]
-    declared = [(f"?{name}", type_) for name, type_ in zip(chosen, types, strict=True)]
-    return (names.get("feature", feature.name), *typed(declared, names))
-
-
-def _action(action: Action, names: Names) -> str:
-    sources = ", ".join(source.behavior for source in action.sources)
-    return "\n".join(
-        (
-            f"(:action {action.name}  ; {sources}",
-            f"  :parameters {_printed(parameter_list(action, names))}",
-            f"  :precondition {_clauses(_conjuncts(action.precondition))}",
-            f"  :effect {_clauses(action.effects)})",
-        )
-    )
-
-
-def _conjuncts(formula: SExpr) -> tuple[SExpr, ...]:
-    return formula[1:] if formula[0] == "and" and isinstance(formula, tuple) else (formula,)
-
-
-def _clauses(parts: tuple[SExpr, ...]) -> str:
-    """A conjunction, one clause a line."""
-    if not parts:
-        return "(and)"
-    return "(and\n    " + "\n    ".join(_printed(part) for part in parts) + ")"
-
-
-def _printed(formula: SExpr) -> str:
-    if isinstance(formula, str):
-        return formula
-    return "(" + " ".join(_printed(part) for part in formula) + ")"
-
-
-# ----------------------------------------------------------------------------------------- problem
-
-
-def _problem(program: Program, problem: Problem, goal: SExpr, names: Names) -> str:
-    world = problem.world
-    constants = {c.name for c in program.constants}
-    listed = [(n, t) for n, t in world.objects.items() if n not in constants]
-    groups = (list(group) for _, group in groupby(listed, key=lambda item: item[1]))
-    lines = [
-        " ".join(map(_printed, typed([(names.get("object", n), t) for n, t in group], names)))
-        for group in groups
-    ]
-    facts = [
-        _printed((names.get("feature", f), *(names.get("object", a) for a in arguments)))
-        for f, arguments in _true_facts(problem)
-    ]
-    parts = [
-        f"(:domain {legal_name(program.name)})",
-        "(:objects\n  " + "\n  ".join(lines) + ")" if lines else "(:objects)",
-        "(:init\n  " + "\n  ".join(facts) + ")" if facts else "(:init)",
-        f"(:goal {_clauses(_conjuncts(goal))})".replace("\n    ", "\n  "),
-    ]
-    return f"(define (problem {legal_name(problem.name)})\n{_sections(parts)})\n"
-
-
-def _true_facts(problem: Problem) -> list[tuple[str, tuple[str, ...]]]:
-    """The facts that hold initially, by feature and by objects in order of declaration."""
-    features = {f.name: index for index, f in enumerate(problem.world.program.features)}
-    objects = {name: index for index, name in enumerate(problem.world.objects)}
-    true = [cell for cell, value in problem.initial.cells.items() if value is True]
-    return sorted(true, key=lambda c: (features[c[0]], [objects[a] for a in c[1]]))
+    return condition(plain(goal, model.pool), Lowering(names, model.pool, {}))

@@ -4,11 +4,13 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from crow.program.definitions import DefinitionNode
+
 # What readers take for a connective, an effect or a built-in where a name is meant. Other words of
 # PDDL, `at` and `over` among them, are ordinary names to every reader tried.
 _WORDS = """
     and or not imply forall exists when either preference assign increase decrease object number
-    define undefined oneof always sometime within
+    define undefined oneof always sometime within total-cost
 """
 _RESERVED = frozenset(_WORDS.split())
 
@@ -23,11 +25,14 @@ class Names:
     _by_origin: dict[tuple[str, str], str] = field(default_factory=dict)
     _origins: dict[str, tuple[str, str]] = field(default_factory=dict)
 
-    def add(self, kind: str, name: str) -> str:
-        """The PDDL name of a thing of some kind, chosen when it is first asked for."""
+    def add(self, kind: str, name: str, wanted: str | None = None) -> str:
+        """The PDDL name of a thing of some kind, chosen when it is first asked for.
+
+        `wanted` is what it was called in the PDDL it was imported from.
+        """
         key = (kind, name)
         if key not in self._by_origin:
-            chosen = _free(legal_name(name), {*self._origins, *_RESERVED})
+            chosen = _free(legal_name(wanted or name), {*self._origins, *_RESERVED})
             self._by_origin[key] = chosen
             self._origins[chosen.lower()] = key
         return self._by_origin[key]
@@ -47,7 +52,9 @@ class Names:
 
     def changed(self) -> list[tuple[str, str]]:
         """Pairs of CDL name and PDDL name that differ, in order of their appearance."""
-        return [(name, pddl) for (_, name), pddl in self._by_origin.items() if name != pddl]
+        # Names that CDL cannot write are ours.
+        pairs = ((name, pddl) for (_, name), pddl in self._by_origin.items())
+        return [(name, pddl) for name, pddl in pairs if name != pddl and "'" not in name]
 
 
 def variable_name(name: str, taken: Iterable[str]) -> str:
@@ -68,3 +75,11 @@ def legal_name(name: str) -> str:
     """The nearest name that PDDL allows: a letter, then letters, digits, `-` and `_`."""
     plain = re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-")
     return plain if plain[:1].isalpha() else f"n{plain}"
+
+
+def imported_name(definition: DefinitionNode) -> str | None:
+    """What a definition was called in PDDL, `[[pddl="on-table"]]`, if it was imported."""
+    for annotation in definition.annotations:
+        if annotation.name == "pddl" and isinstance(annotation.value, str):
+            return annotation.value
+    return None

@@ -6,17 +6,21 @@ from dataclasses import dataclass
 from cdlc.backends.pddl.actions import Source
 from cdlc.backends.pddl.emit import PddlTask
 from crow.problem import World
-from crow.program import Type
+from crow.program import Behavior, Parameter, Type
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedTransition:
-    """A behavior with its arguments and binds; `also` are other behaviors it might have been."""
+    """A behavior with its arguments and binds; `also` are other behaviors it might have been.
+
+    `step` is the behavior to apply in its place where it is one step of a method.
+    """
 
     behavior: str
     arguments: tuple[str, ...]
     bindings: dict[str, str]
     also: tuple[str, ...]
+    step: Behavior | None = None
 
 
 class PlanFormatError(ValueError):
@@ -58,11 +62,13 @@ def to_step(
     if len(arguments) != len(found.parameters):
         wanted = len(found.parameters)
         raise PlanFormatError(f"`{action}` takes {wanted} arguments, not {len(arguments)}", line)
+    first, *others = found.sources
+    used = {c.parameter for source in found.sources for c in source.variables}
     values = {
         parameter.name: _object(task, world, name, parameter.type, line)
         for parameter, name in zip(found.parameters, arguments, strict=True)
+        if parameter.name in used  # others only hold what is read
     }
-    first, *others = found.sources
     return _transition(world, first, values, tuple(o.behavior for o in others), line)
 
 
@@ -81,12 +87,33 @@ def _transition(
 ) -> PlannedTransition:
     behavior = world.behaviors[source.behavior]
     own: dict[str, str] = {}
-    for variable, parameter in source.variables:
-        # What the transition does not depend on may be any object of its type.
-        objects = (values[parameter],) if parameter else world.objects_of(variable.type)
-        if not objects:
-            needed = f"`{behavior.name}` needs an object of type `{variable.type}`"
-            raise PlanFormatError(f"{needed}, and there is none", line)
-        own[variable.name] = objects[0]
-    arguments = tuple(own.pop(parameter.name) for parameter in behavior.parameters)
-    return PlannedTransition(behavior.name, arguments, own, also)
+    for chosen in source.variables:
+        variable = chosen.variable
+        if chosen.parameter is not None:
+            own[variable.name] = values[chosen.parameter]
+        elif chosen.object is not None:
+            own[variable.name] = chosen.object
+        else:
+            own[variable.name] = _any_object(world, behavior.name, variable, line)
+    arguments = tuple(
+        own.pop(p.name) if p.name in own else _any_object(world, behavior.name, p, line)
+        for p in behavior.parameters
+    )
+    step = None if source.step is None else source.step.behavior
+    return PlannedTransition(behavior.name, arguments, own, also, step)
+
+
+def _any_object(world: World, behavior: str, variable: Parameter, line: int) -> str:
+    """What the transition does not depend on may be any object of its type."""
+    objects = world.objects_of(variable.type)
+    if not objects:
+        needed = f"`{behavior}` needs an object of type `{variable.type}`"
+        raise PlanFormatError(f"{needed}, and there is none", line)
+    return objects[0]
+
+
+def arguments_of(step: Behavior, method: Behavior, planned: PlannedTransition) -> tuple[str, ...]:
+    """The arguments of one step of a method, out of those of the method and its binds."""
+    names = [p.name for p in method.parameters]
+    values = dict(zip(names, planned.arguments, strict=True)) | planned.bindings
+    return tuple(values[p.name] for p in step.parameters)

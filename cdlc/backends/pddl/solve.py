@@ -1,12 +1,15 @@
 """Planning with a PDDL engine: emit, solve in a child process, map back, replay."""
 
+from dataclasses import replace
+
 from cdlc.backends.engines import EngineStatus, solve
 from cdlc.backends.pddl.emit import PddlTask
-from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, to_step
+from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, arguments_of, to_step
+from crow.evaluate import evaluate
 from crow.plan import Result, Step
 from crow.problem import Problem, State, World
-from crow.replay import replay_to_goal
-from crow.trace import DoItem, TraceItem
+from crow.replay import replay, replay_to_goal
+from crow.trace import DoItem, EffItem, TraceItem
 from crow.transition import Transition, apply
 
 
@@ -50,7 +53,15 @@ def solve_task(
     except PlanFormatError as error:
         raise InvalidPlan(f"step {error.line}: {error}") from None
     steps, trace = run(problem, planned)
-    return Result("plan", engine, steps, trace, float(len(steps)), statistics=statistics)
+    return Result("plan", engine, steps, trace, _cost(problem, steps, trace), statistics=statistics)
+
+
+def _cost(problem: Problem, steps: tuple[Step, ...], trace: tuple[TraceItem, ...]) -> float:
+    """What `minimize` is in the final state, else the number of controller calls."""
+    if problem.minimize is None:
+        return float(sum(step.controller is not None for step in steps))
+    final = replay(problem.world, problem.initial, trace).final
+    return float(evaluate(problem.world, final, problem.minimize, {}))
 
 
 def run(
@@ -78,13 +89,21 @@ def run(
 def apply_planned(world: World, state: State, planned: PlannedTransition) -> Transition:
     """Apply a planned transition in a state."""
     behavior = world.behaviors[planned.behavior]
+    if planned.step is not None:
+        applied = apply(world, state, planned.step, arguments_of(planned.step, behavior, planned))
+        # The step stands for what the method does; it has no effect of its own.
+        own = (
+            i for i in applied.trace if not isinstance(i, EffItem) or i.owner != planned.step.name
+        )
+        return replace(applied, trace=tuple(own))
     return apply(world, state, behavior, planned.arguments, planned.bindings)
 
 
 def steps_of(planned: PlannedTransition, applied: Transition) -> list[Step]:
     """The steps of an applied transition, one a controller call."""
     calls = [item for item in applied.trace if isinstance(item, DoItem)]
-    own = (planned.behavior, planned.arguments, dict(applied.bindings))
+    bindings = dict(applied.bindings) if planned.step is None else dict(planned.bindings)
+    own = (planned.behavior, planned.arguments, bindings)
     if not calls:
         return [Step(*own, None, (), planned.also)]
     return [Step(*own, call.controller, call.arguments, planned.also) for call in calls]

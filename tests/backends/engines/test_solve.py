@@ -156,7 +156,7 @@ def test_malformed_pddl_gives_the_readers_message(run: Callable[[str], EngineRes
 
 
 def test_unsupported_features_are_named(run: Callable[[str], EngineResult]) -> None:
-    with pytest.raises(EngineUnsupported, match="INCREASE_EFFECTS") as e:
+    with pytest.raises(EngineUnsupported, match="does not take numbers") as e:
         run("numeric")
     assert e.value.engine == "fast-downward"
 
@@ -191,6 +191,8 @@ def test_the_catalogue_is_unified_plannings() -> None:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "DEFAULT_ENGINES"
     ]
     for engine, package in catalogue.PACKAGES.items():
+        if engine == "kairos":  # registers itself
+            continue
         assert table[engine][0].partition(".")[0] == package
 
 

@@ -121,14 +121,35 @@ BY_DEFAULT = (0, 1, 6, 5)
 def test_fast_downward_reads_effects_as_the_interpreter_runs_them(
     eff: str, init: str, goal: str, is_solvable: bool
 ) -> None:
-    body = "".join(f"    {line}\n" for line in (*eff.splitlines(), "done[x, y] = True"))
-    # Once only: nothing is done twice.
-    rule = "behavior act(x: T, y: T):\n  body: assert not (exists a, b: T: done(a, b))\n  eff:\n"
-    task = emitted(rule + body, f"init: {init or 'pass'}\ngoal: {goal}")
+    task = task_of_case(eff, init, goal)
     assert task.problem is not None
     solved = solve(task.domain, task.problem, time_limit=60)
     expected = EngineStatus.PLAN if is_solvable else EngineStatus.UNSOLVABLE
     assert solved.status is expected, solved.log
+
+
+def task_of_case(eff: str, init: str, goal: str) -> PddlTask:
+    """A task whose one behavior runs once; the goal says how it has to come out."""
+    body = "".join(f"    {line}\n" for line in (*eff.splitlines(), "done[x, y] = True"))
+    rule = "behavior act(x: T, y: T):\n  body: assert not (exists a, b: T: done(a, b))\n  eff:\n"
+    return emitted(rule + body, f"init: {init or 'pass'}\ngoal: {goal}")
+
+
+@pytest.mark.parametrize(("eff", "init", "goal", "is_solvable"), CASES)
+def test_kairos_reads_effects_as_the_interpreter_runs_them(
+    eff: str, init: str, goal: str, is_solvable: bool
+) -> None:
+    kairos = pytest.importorskip("kairos")
+    task = task_of_case(eff, init, goal)
+    domain = kairos.parse_domain(task.domain, "domain.pddl")
+    options = kairos.SearchOptions()
+    options.anytime = False
+    result = kairos.Planner().solve(kairos.parse_problem(task.problem, domain, "p.pddl"), options)
+    assert result.status == (kairos.Status.SOLVED if is_solvable else kairos.Status.UNSOLVABLE)
+    if is_solvable:
+        text = "".join(f"({' '.join((s.name, *s.args))})\n" for s in result.plan.steps)
+        report = kairos.validate_plan(task.domain, task.problem, kairos.parse_plan(text))
+        assert report.status == kairos.ValidationStatus.VALID
 
 
 @pytest.mark.parametrize(("eff", "init", "goal", "is_solvable"), CASES)

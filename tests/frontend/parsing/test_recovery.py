@@ -359,3 +359,11 @@ def test_a_replacement_mends_the_text() -> None:
         lines[place.line - 1] = line[:start] + replacement.text + line[end:]
         text = "\n".join(lines)
     assert check_text(text.replace("not", "not ")).codes == []
+
+
+@pytest.mark.parametrize("end", ["!", '"x', "f(x) &&"])
+def test_places_are_in_the_text_after_a_correction_at_its_end(end: str) -> None:
+    text = behavior(eff=f"f[x] = {end}").rstrip()
+    for diagnostic in check_text(text).diagnostics:
+        line = text.split("\n")[diagnostic.location.end_line - 1]
+        assert diagnostic.location.end_column <= len(line) + 1

@@ -1,6 +1,6 @@
 ; Emitted by cdlc from the CDL domain "merging".
 (define (domain merging)
-  (:requirements :strips :typing :negative-preconditions :equality :universal-preconditions :conditional-effects)
+  (:requirements :strips :typing :negative-preconditions :equality :universal-preconditions :conditional-effects :action-costs)
   (:types
     U - T
     T - object)
@@ -9,6 +9,8 @@
     (q ?x - T)
     (r ?x - T)
     (on ?x ?y - T))
+  (:functions
+    (total-cost) - number)
   (:action go  ; first, second
     :parameters (?x ?b - T)
     :precondition (and
@@ -18,7 +20,8 @@
     :effect (and
       (p ?x)
       (not (q ?x))
-      (not (on ?x ?b))))
+      (not (on ?x ?b))
+      (increase (total-cost) 1)))
   (:action still  ; still, still_too
     :parameters (?a ?b ?c - T)
     :precondition (and
@@ -30,24 +33,28 @@
     :parameters (?x - U)
     :precondition (and)
     :effect (and
-      (p ?x)))
+      (p ?x)
+      (increase (total-cost) 1)))
   (:action wide  ; wide
     :parameters (?x - T)
     :precondition (and)
     :effect (and
-      (p ?x)))
+      (p ?x)
+      (increase (total-cost) 1)))
   (:action last_adds  ; last_adds
     :parameters (?x ?y - T)
     :precondition (and)
     :effect (and
       (not (p ?x))
-      (p ?y)))
+      (p ?y)
+      (increase (total-cost) 1)))
   (:action last_deletes  ; last_deletes
     :parameters (?x ?y - T)
     :precondition (and)
     :effect (and
       (when (not (= ?x ?y)) (p ?y))
-      (not (p ?x)))))
+      (not (p ?x))
+      (increase (total-cost) 1))))
 
 ; Emitted by cdlc from the CDL problem "merging".
 ; Names that PDDL does not take or tell apart:
@@ -59,7 +66,9 @@
     u-2 - U)
   (:init
     (q a)
-    (on a b))
+    (on a b)
+    (= (total-cost) 0))
   (:goal (and
     (p a)
-    (r b))))
+    (r b)))
+  (:metric minimize (total-cost)))

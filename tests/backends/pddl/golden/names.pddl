@@ -10,7 +10,7 @@
 ;   move is move-2
 ;   _ is n_
 (define (domain n2-Bad-names)
-  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :existential-preconditions)
+  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :existential-preconditions :action-costs)
   (:types number-2 Block block-2)
   (:constants Home - Block home-2 - block-2)
   (:predicates
@@ -23,6 +23,8 @@
     (goal)
     (increase-2)
     (n_hidden ?b - Block))
+  (:functions
+    (total-cost) - number)
   (:action Move  ; act
     :parameters (?n_a ?A - Block)
     :precondition (and
@@ -31,13 +33,15 @@
     :effect (and
       (On ?n_a ?A)
       (goal)
-      (increase-2)))
+      (increase-2)
+      (increase (total-cost) 1)))
   (:action move-2  ; Act
     :parameters (?a - Block)
     :precondition (and)
     :effect (and
       (n_hidden ?a)
-      (not (when-2 ?a))))
+      (not (when-2 ?a))
+      (increase (total-cost) 1)))
   (:action n_  ; _
     :parameters (?b - block-2)
     :precondition (and)
@@ -55,9 +59,11 @@
     n_b not_ - block-2)
   (:init
     (when-2 Home)
-    (when-2 A))
+    (when-2 A)
+    (= (total-cost) 0))
   (:goal (and
     (On A a-2)
     (at n_b)
     (at home-2)
-    (goal))))
+    (goal)))
+  (:metric minimize (total-cost)))

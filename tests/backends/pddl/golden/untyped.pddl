@@ -1,15 +1,18 @@
 ; Emitted by cdlc from the CDL domain "untyped".
 (define (domain untyped)
-  (:requirements :strips :negative-preconditions)
+  (:requirements :strips :negative-preconditions :action-costs)
   (:predicates
     (hot)
     (near ?a ?b))
+  (:functions
+    (total-cost) - number)
   (:action press  ; press_it
     :parameters ()
     :precondition (and
       (not (hot)))
     :effect (and
-      (hot)))
+      (hot)
+      (increase (total-cost) 1)))
   (:action approach  ; approach
     :parameters (?a ?b)
     :precondition (and
@@ -23,7 +26,9 @@
   (:objects
     a b)
   (:init
-    (near a b))
+    (near a b)
+    (= (total-cost) 0))
   (:goal (and
     (near b a)
-    (hot))))
+    (hot)))
+  (:metric minimize (total-cost)))
