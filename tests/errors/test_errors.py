@@ -37,9 +37,9 @@ STAGES = {
     "no-hoare-model": "triples",
     "no-initial-value": "problem",
     "not-in-pddl": "pddl",
+    "not-plannable": "plannable",
     "not-discrete": "pddl",
     "unset-in-pddl": "pddl",
-    "not-plannable": "plannable",
 }
 # What needs more than a file to happen, with the test of it.
 ELSEWHERE = {
