@@ -8,8 +8,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TypeVar
 
 import pytest
 
@@ -242,6 +244,9 @@ sys.exit(f"{result.status} {result.seconds}")
 """
 
 
+Fact = TypeVar("Fact")
+
+
 class Caller:
     """A process that calls `solve` on a task that takes hours, and what belongs to it."""
 
@@ -275,7 +280,15 @@ class Caller:
 
     def _is_searching(self) -> bool:
         assert self.process.poll() is None, self.end()
-        return any(process.name() == "downward" for process in self.engine_processes())
+        return any(_fact(process.name) == "downward" for process in self.engine_processes())
+
+    def clean_up(self) -> None:
+        """Leave nothing behind where a test has failed."""
+        self.process.kill()
+        for process in self.engine_processes():
+            with suppress(psutil.Error):
+                process.kill()
+        self.process.communicate()
 
     def end(self) -> str:
         stdout, stderr = self.process.communicate(timeout=60)
@@ -287,6 +300,14 @@ class Caller:
             lambda: not self.engine_processes() and not any(self.temporary.iterdir()), seconds
         )
         assert sorted(path.name for path in self.cwd.iterdir()) == ["domain", "problem"]
+
+
+def _fact(ask: Callable[[], Fact]) -> Fact | None:
+    """What is asked about a process, or None where it has just ended."""
+    try:
+        return ask()
+    except psutil.Error:
+        return None
 
 
 def _is_marked(process: "psutil.Process", temporary: Path) -> bool:
@@ -304,9 +325,23 @@ def wait_until(condition: Callable[[], bool], seconds: float) -> None:
         time.sleep(0.02)
 
 
-def test_time_limit(tmp_path: Path) -> None:
+@pytest.fixture
+def call(tmp_path: Path) -> Iterator[Callable[..., Caller]]:
+    """`call(time_limit=…)` starts a caller."""
+    callers: list[Caller] = []
+
+    def start(time_limit: float = 0) -> Caller:
+        callers.append(Caller(tmp_path, time_limit))
+        return callers[-1]
+
+    yield start
+    for caller in callers:
+        caller.clean_up()
+
+
+def test_time_limit(call: Callable[..., Caller]) -> None:
     # How far the run gets before the limit depends on the machine; what is left of it does not.
-    caller = Caller(tmp_path, time_limit=4)
+    caller = call(time_limit=4)
     status, seconds = caller.end().split()
     caller.assert_nothing_is_left(0)
     assert status == "timeout"
@@ -318,8 +353,8 @@ def test_time_limit_before_the_worker_runs(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("presses", [1, 2])
-def test_ctrl_c(tmp_path: Path, presses: int) -> None:
-    caller = Caller(tmp_path)
+def test_ctrl_c(call: Callable[..., Caller], presses: int) -> None:
+    caller = call()
     caller.await_search()
     for _ in range(presses):
         os.killpg(caller.process.pid, signal.SIGINT)
@@ -330,8 +365,8 @@ def test_ctrl_c(tmp_path: Path, presses: int) -> None:
     assert presses > 1 or stderr == "interrupted"
 
 
-def test_caller_killed(tmp_path: Path) -> None:
-    caller = Caller(tmp_path)
+def test_caller_killed(call: Callable[..., Caller]) -> None:
+    caller = call()
     caller.await_search()
     caller.process.kill()
     caller.assert_nothing_is_left(10)
@@ -374,10 +409,10 @@ def test_an_engine_that_lies_and_litters(tmp_path: Path, monkeypatch: pytest.Mon
     assert not [p for p in psutil.process_iter() if _is_marked(p, tmp_path)]
 
 
-def test_worker_killed(tmp_path: Path) -> None:
-    caller = Caller(tmp_path)
+def test_worker_killed(call: Callable[..., Caller]) -> None:
+    caller = call()
     caller.await_search()
-    [worker] = [p for p in caller.engine_processes() if p.ppid() == caller.process.pid]
+    [worker] = [p for p in caller.engine_processes() if _fact(p.ppid) == caller.process.pid]
     worker.kill()
     assert caller.end() == "failed"
     caller.assert_nothing_is_left(0)
