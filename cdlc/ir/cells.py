@@ -70,6 +70,7 @@ class Cells:
                 self._check_exact(write)
             return pool.choice(met, write.value, before)
         self._check_exact(write)
+        write = self._with_own_variables(write, arguments)
         match_, chosen = self._matching(write, arguments)
         guard = pool.substitute(write.guard, chosen)
         value = pool.substitute(write.value, chosen)
@@ -85,6 +86,30 @@ class Cells:
             true = pool.quantified("exists", open_, pool.conjunction((met, value)))
             return pool.choice(pool.quantified("exists", open_, met), true, before)
         raise NotModelled("a read of what a `foreach` writes to computed cells", write.location)
+
+    def _with_own_variables(self, write: Update, arguments: tuple[Expression, ...]) -> Update:
+        """The same write under other variables where a cell is given in terms of them.
+
+        Two writes of one `foreach` share its variables, and stand for different iterations.
+        """
+        free = self.pool.free_variables
+        variables = [v for v in write.variables if isinstance(v, Variable)]
+        if {v.name for v in variables}.isdisjoint(set().union(*map(free, arguments))):
+            return write
+        fresh = {
+            v.name: self.pool.fresh(Parameter(v.name.split("'")[0], v.type)) for v in variables
+        }
+
+        def renamed(node: Expression) -> Expression:
+            return self.pool.substitute(node, fresh)
+
+        return replace(
+            write,
+            variables=tuple(fresh[v.name] for v in variables),
+            arguments=tuple(map(renamed, write.arguments)),
+            guard=renamed(write.guard),
+            value=renamed(write.value),
+        )
 
     def _check_exact(self, write: Update) -> None:
         """Raise NotModelled for a value that its cell does not hold as it is."""
@@ -112,6 +137,7 @@ class Cells:
 
     def meets(self, write: Update, arguments: tuple[Expression, ...]) -> Expression:
         """When a write reaches a cell."""
+        write = self._with_own_variables(write, arguments)
         match_, chosen = self._matching(write, arguments)
         met = self.pool.conjunction((match_, self.pool.substitute(write.guard, chosen)))
         left = (v for v in write.variables if isinstance(v, Variable) and v.name not in chosen)

@@ -8,6 +8,7 @@ from support import cdlc
 import cdlc as library
 from cdlc.backends.engines import installed
 
+PDDL = ("--engine", "fast-downward")
 needs_planner = pytest.mark.skipif("fast-downward" not in installed(), reason="needs `planners`")
 
 DOMAIN = """
@@ -64,7 +65,7 @@ def test_a_function_becomes_static_facts(problem: Path) -> None:
 def test_plans_are_found_and_replayed_with_it(problem: Path) -> None:
     functions = ("--functions", problem.parent / "functions.py")
     plan = problem.parent / "plan.json"
-    ran = cdlc("plan", problem, *functions, "--format", "json", "-o", plan)
+    ran = cdlc("plan", problem, *functions, *PDDL, "--format", "json", "-o", plan)
     assert ran.status == 0, ran.err
     validated = cdlc("validate", problem, plan, *functions)
     assert validated.status == 0, validated.err

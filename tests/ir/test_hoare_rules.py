@@ -324,3 +324,18 @@ def test_orders_beyond_the_limit_are_refused_before_they_are_tried() -> None:
     body = "unordered:\n" + "\n".join(f"  do flip({'xy'[i % 2]})" for i in range(12))
     with pytest.raises(NotModelled, match="more than 64 choices"):
         needs(body)
+
+
+@pytest.mark.parametrize("level", Level)
+def test_writes_of_one_loop_may_meet_in_other_iterations(level: Level) -> None:
+    eff = """
+    if p(x):
+      foreach z: T:
+        at[at(z)] = at(x)
+        at[at(z)] = y
+    else:
+      q[x] = True
+    """
+    program, behavior = act(eff)
+    (triple,) = Model(program, level).triples(behavior)
+    check_running(program, behavior, triple)

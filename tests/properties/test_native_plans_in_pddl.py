@@ -28,7 +28,9 @@ def action_of(task: PddlTask, step: Step, behavior_parameters: list[str]) -> tup
     for action in task.actions:
         for source in action.sources:
             if source.behavior == step.behavior:
-                own = {p: values[v.name] for v, p in source.variables if p is not None}
+                own = {
+                    c.parameter: values[c.variable.name] for c in source.variables if c.parameter
+                }
                 return action.name, [
                     task.names.get("object", own[p.name]) for p in action.parameters
                 ]

@@ -12,6 +12,7 @@ from cdlc.backends.engines import installed
 from cdlc.backends.pddl import PddlTask, to_step
 from cdlc.backends.pddl.solve import run
 
+PDDL = ("--engine", "fast-downward")
 needs_planner = pytest.mark.skipif("fast-downward" not in installed(), reason="needs `planners`")
 
 HEAD = """
@@ -128,7 +129,7 @@ def files(folder: Path, domain: str) -> Path:
 @pytest.mark.parametrize("form", ["text", "json"])
 def test_plans_of_steps_lead_back_and_validate(form: str, tmp_path: Path) -> None:
     problem, plan = files(tmp_path, HEAD + FETCH), tmp_path / "plan"
-    ran = cdlc("plan", problem, "--format", form, "-o", plan)
+    ran = cdlc("plan", problem, *PDDL, "--format", form, "-o", plan)
     assert ran.status == 0, ran.err
     if form == "text":
         assert plan.read_text().startswith("1. goto(there)  by fetch(a, p=there)\n")
@@ -170,6 +171,6 @@ def test_what_no_effect_describes_is_a_warning_and_no_plan(tmp_path: Path) -> No
     assert "beep" not in ran.out
     strict = cdlc("compile", problem, "--emit", "pddl", "--strict")
     assert (strict.status, strict.out) == (1, "")
-    planned = cdlc("plan", problem)
+    planned = cdlc("plan", problem, *PDDL)
     assert planned.status == 1
     assert "error[not-in-pddl]: `beep`, which `warn` runs" in planned.err
