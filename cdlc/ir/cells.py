@@ -96,9 +96,7 @@ class Cells:
         variables = [v for v in write.variables if isinstance(v, Variable)]
         if {v.name for v in variables}.isdisjoint(set().union(*map(free, arguments))):
             return write
-        fresh = {
-            v.name: self.pool.fresh(Parameter(v.name.split("'")[0], v.type)) for v in variables
-        }
+        fresh = self._other_variables(write)
 
         def renamed(node: Expression) -> Expression:
             return self.pool.substitute(node, fresh)
@@ -110,6 +108,14 @@ class Cells:
             guard=renamed(write.guard),
             value=renamed(write.value),
         )
+
+    def _other_variables(self, write: Update) -> dict[str, Expression]:
+        """New variables for those of a write, which stand for another iteration."""
+        return {
+            v.name: self.pool.fresh(Parameter(v.name.split("'")[0], v.type))
+            for v in write.variables
+            if isinstance(v, Variable)
+        }
 
     def _check_exact(self, write: Update) -> None:
         """Raise NotModelled for a value that its cell does not hold as it is."""
@@ -275,11 +281,7 @@ class Cells:
 
     def _conflict(self, first: Update, second: Update, opened: tuple[Expression, ...]) -> Conflict:
         pool = self.pool
-        renaming = {
-            v.name: pool.fresh(Parameter(v.name.split("'")[0], v.type))
-            for v in second.variables
-            if isinstance(v, Variable)
-        }
+        renaming = self._other_variables(second)
 
         def renamed(node: Expression) -> Expression:
             return pool.substitute(node, renaming)

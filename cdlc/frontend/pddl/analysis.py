@@ -16,6 +16,7 @@ from cdlc.frontend.pddl.nodes import (
     Problem,
     Quantified,
     Typed,
+    ancestors,
 )
 
 
@@ -78,14 +79,8 @@ class Patterns:
 
     def related(self, first: str, second: str) -> bool:
         """Whether some object may be of both types."""
-        return first in self.ancestors(second) or second in self.ancestors(first)
-
-    def ancestors(self, type_: str) -> list[str]:
-        """A type and those above it, up to `object`."""
-        line = [type_]
-        while line[-1] in self.parents and self.parents[line[-1]] not in line:
-            line.append(self.parents[line[-1]])
-        return [*line, "object"]
+        above = ancestors(first, self.parents), ancestors(second, self.parents)
+        return first in above[1] or second in above[0]
 
 
 def terms(node: Formula | Number) -> Iterator[str]:

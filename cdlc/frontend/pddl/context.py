@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from cdlc.diagnostics import Collector
 from cdlc.frontend import errors
-from cdlc.frontend.pddl.nodes import Schema, Typed
+from cdlc.frontend.pddl.nodes import Schema, Typed, ancestors
 from cdlc.frontend.pddl.words import Item, Word, Words
 from cdlc.source import SourceFile, Span
 
@@ -112,7 +112,7 @@ class Context:
     def _type(self, item: Item, *, widens: bool) -> str:
         if isinstance(item, Words):
             if item.head == "either" and widens:
-                lines = [self.ancestors(self._type(i, widens=False)) for i in item.items[1:]]
+                lines = [ancestors(self._type(i, widens=False), self.types) for i in item.items[1:]]
                 return next(t for t in lines[0] if all(t in line for line in lines))
             if item.head == "either":
                 reason = "a CDL type has one parent: declare a common one in PDDL"
@@ -121,13 +121,6 @@ class Context:
         if item.text not in self.types and item.text not in ("object", "number"):
             raise self.unknown(item, "type", item.text, [*self.types, "object"])
         return item.text
-
-    def ancestors(self, type_: str) -> list[str]:
-        """A type and those above it, up to `object`."""
-        line = [type_]
-        while line[-1] in self.types and self.types[line[-1]] not in line:
-            line.append(self.types[line[-1]])
-        return line if line[-1] == "object" else [*line, "object"]
 
 
 def words_of(item: Item, context: Context, what: str) -> Words:

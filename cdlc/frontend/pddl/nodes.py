@@ -4,6 +4,7 @@ Names are in lower case; variables keep their question mark, so that a term says
 variables have names of their own within an action.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -154,3 +155,11 @@ class Problem:
     numbers: tuple[tuple[Atom, int | float], ...]
     goal: Formula
     minimize: Number | None
+
+
+def ancestors(type_: str, parents: Mapping[str, str]) -> list[str]:
+    """A type and those above it, up to `object`; types that are above themselves end there."""
+    line = [type_]
+    while line[-1] in parents and parents[line[-1]] not in line:
+        line.append(parents[line[-1]])
+    return line if line[-1] == "object" else [*line, "object"]
