@@ -157,7 +157,7 @@ class Compilation:
 
         problem = self.problem if self.statement is not None else None
         emission = Emission(self.axioms, self.enumerates)
-        task = to_pddl(self.model, self.triples, problem, self.found, emission)
+        task = to_pddl(self.model, problem, self.found, emission)
         self._stop_at_errors()
         assert task is not None
         return task

@@ -16,7 +16,6 @@ from cdlc.frontend.check_expressions import check_condition, check_expression
 from cdlc.frontend.parser import parse
 from cdlc.frontend.scope import Context, Scope
 from cdlc.ir.hoare import Model
-from cdlc.ir.model import triples
 from cdlc.source import SourceFile
 from crow.problem import Problem, State, World
 from crow.program import Behavior, Expression, ProblemStatement, Program
@@ -112,7 +111,7 @@ def emitted(
         program, statement = statement_of(domain, problem)
         stated = Problem.of(program, statement)
     model = Model(program)
-    return to_pddl(model, triples(model, found), stated, found), found, stated
+    return to_pddl(model, stated, found), found, stated
 
 
 def task_of(domain: str, problem: str | None = None) -> PddlTask:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from cdlc.diagnostics import Diagnostic, Help, Label
+from cdlc.diagnostics import Diagnostic, Help, Label, Lint
 from crow.program import Location, Type
 
 
@@ -76,6 +76,35 @@ class NotDiscrete(Diagnostic):
 
     def help(self) -> tuple[Help, ...]:
         return (Help("plan with the runtime, which takes values of every type"),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class SplitBehavior(Lint):
+    """A behavior that achieves something after it has acted, or uses a local that this may change.
+
+        body:
+          do unlock(d)
+          achieve at(room)         # other behaviors act here
+          do open_door(d)
+        eff:
+          open[d] = True
+
+    It is no single step, so PDDL gets one action a phase, with a predicate that says which phase is
+    to come; the goal demands that none is open. A planner may do anything between two phases, where
+    the program does what the `achieve` asks for.
+    """
+
+    behavior: str
+    again: tuple[Location, ...]
+
+    def message(self) -> str:
+        return f"`{self.behavior}` is split for PDDL, one action a phase"
+
+    def labels(self) -> tuple[Label, ...]:
+        return tuple(Label(place, "a phase begins here") for place in self.again)
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("achieve everything before the first `do`, and it is one action"),)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)

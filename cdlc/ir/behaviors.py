@@ -1,9 +1,10 @@
 """Behaviors looked at as a whole."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from crow.program import (
+    Achieve,
     Apply,
     Assign,
     Behavior,
@@ -91,3 +92,81 @@ def touched(program: Program, statements: tuple[Statement, ...]) -> Touched:
                 found.reads.update(reads_of(function))
                 pending.append(function.body or ())
     return found
+
+
+def applied_for(program: Program, conditions: Iterable[Expression]) -> tuple[Behavior, ...]:
+    """The behaviors that plans for some conditions may apply, in source order; perhaps some more.
+
+    What a condition names decides: a behavior may be applied for it if its goal names the same, or
+    if it writes what the condition reads, as it may for a comparison (semantics.md §2).
+    """
+    about = {b.name: _about(program, b) for b in program.behaviors}
+    reached: set[str] = set()
+    pending = [_named(program, conditions)]
+    while pending:
+        names = pending.pop()
+        for behavior in program.behaviors:
+            if behavior.name not in reached and not about[behavior.name].isdisjoint(names):
+                reached.add(behavior.name)
+                pending.append(_named(program, achieved_in(program, body_of(behavior))))
+    return tuple(b for b in program.behaviors if b.name in reached)
+
+
+def achieved_in(program: Program, statements: tuple[Statement, ...]) -> Iterator[Expression]:
+    """The conditions that statements achieve, those of what they call included."""
+    behaviors = {b.name: b for b in program.behaviors}
+    pending = [statements]
+    while pending:
+        for statement in statements_within(pending.pop()):
+            match statement:
+                case Achieve(condition=condition):
+                    yield condition
+                case Call(behavior=name) if behavior := behaviors.pop(name, None):
+                    pending.append(body_of(behavior))
+                case _:
+                    pass
+
+
+def disturbed(
+    program: Program, statements: tuple[Statement, ...], conditions: Iterable[Expression]
+) -> bool:
+    """Whether plans for conditions may change what some statements read."""
+    changed = Touched()
+    for behavior in applied_for(program, conditions):
+        changed.writes.update(_all_touched(program, behavior).writes)
+    return changed.disturbs(Touched(touched(program, statements).reads))
+
+
+def _about(program: Program, behavior: Behavior) -> set[str]:
+    """What a behavior can be applied for: the names in its goal, and what it writes."""
+    if behavior.goal is None:
+        return set()
+    goal = {
+        part.feature if isinstance(part, Read) else part.function
+        for part in subexpressions(behavior.goal)
+        if isinstance(part, Read | Apply)
+    }
+    return goal | _all_touched(program, behavior).writes
+
+
+def _all_touched(program: Program, behavior: Behavior) -> Touched:
+    return touched(program, (*body_of(behavior), *(behavior.effect or ())))
+
+
+def _named(program: Program, expressions: Iterable[Expression]) -> set[str]:
+    """Features and functions in expressions, derived functions unfolded."""
+    functions = {f.name: f for f in program.functions}
+    names: set[str] = set()
+    pending = list(expressions)
+    while pending:
+        for part in subexpressions(pending.pop()):
+            if isinstance(part, Read):
+                names.add(part.feature)
+            elif isinstance(part, Apply) and part.function not in names:
+                names.add(part.function)
+                function = functions[part.function]
+                reads = reads_of(function)
+                names |= {f.name for f in program.features} if "all" in reads else reads
+                for statement in statements_within(function.body or ()):
+                    pending += expressions_of(statement)
+    return names

@@ -6,18 +6,18 @@ An `alternative`, or an `unordered` group whose controllers' effects depend on t
 one triple for each choice.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice, permutations
 from typing import TYPE_CHECKING
 
-from cdlc.ir.behaviors import body_of, touched
+from cdlc.ir.behaviors import achieved_in, body_of, disturbed, parts_of, touched
 from cdlc.ir.bounds import within_bounds
 from cdlc.ir.graph import in_order
 from cdlc.ir.nodes import Level
 from cdlc.ir.pool import Pool
-from cdlc.ir.symbolic import Executor, Variables, leaving
+from cdlc.ir.symbolic import Executor, Variables, hidden_by, leaving
 from cdlc.ir.updates import Layer, NotModelled, merged
 from crow.program import (
     Achieve,
@@ -48,6 +48,7 @@ from crow.program import (
 from crow.program.names import fresh_name
 from crow.program.triples import Triple, Update
 from crow.program.types import INT64
+from crow.program.walk import free_variables
 
 if TYPE_CHECKING:
     from cdlc.ir.simplify import Work
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
 MAX_TRIPLES = 64
 # Marks a read of the state after a transition; no name of CDL starts with it.
 _AFTER = "after'"
+_STALE = "a `let` used after an `achieve` that may change it"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +183,9 @@ class _Run:
         self.layer = Layer()
         self.pre: tuple[_Demand, ...] = ()
         self.calls: tuple[Do, ...] = ()
-        self.has_state_let = False
+        # What gave each local its value, and those that would get another one by now.
+        self.reading: Mapping[str, Let] = {}
+        self.stale: frozenset[str] = frozenset()
 
     def copy(self) -> "_Run":
         """The same run, to go on in another way."""
@@ -194,7 +198,7 @@ class _Run:
         """The triple, after the behavior's own effect."""
         behavior = self.behavior
         assert behavior.effect is not None
-        self.execute(behavior.effect, self.variables)
+        self.own_effect(behavior.effect)
         pool = self.model.pool
         updates = (u for u in self.layer.all_writes() if u.guard is not pool.false)
         pre, reasons = _conjuncts(self.pre, pool)
@@ -224,9 +228,9 @@ class _Run:
                         replace(node, order="sequential", body=ordered)
                     )
             case Group(body=body):
-                outer = self.variables
+                before = self.copy()
                 for run in self.block(body):
-                    run.variables = leaving(body, outer, run.variables)
+                    run.leave(before, body)
                     yield run
             case Call():
                 yield from self._call(node)
@@ -241,6 +245,14 @@ class _Run:
             return
         for run in self.statement(statements[0]):
             yield from run.block(statements[1:])
+
+    def leave(self, before: "_Run", body: tuple[Statement, ...]) -> None:
+        """Go on after a block of its own: what it has declared is gone."""
+        hidden = hidden_by(body)
+        self.variables = leaving(body, before.variables, self.variables)
+        self.reading = leaving(body, before.reading, self.reading)
+        self.stale = (self.stale - hidden) | (before.stale & hidden)
+        self._age(tuple(achieved_in(self.model.program, body)))
 
     def _order_matters(self, body: tuple[Statement, ...]) -> bool:
         """Whether the effects of a group's statements may depend on their order."""
@@ -268,8 +280,9 @@ class _Run:
                 self._do(node)
             case Let(variable=variable, value=value):
                 now = self._now(value, self.variables)
-                self.has_state_let |= any(isinstance(part, Read) for part in in_order(now))
                 self.variables = {**self.variables, variable.name: now}
+                self.reading = {**self.reading, variable.name: node}
+                self.stale -= {variable.name}
             case SetLocal(variable=name, value=value):
                 self._plain(Let(Parameter(name, value.type), value, location=node.location))
             case If() | ForEach() | ForRange():
@@ -281,19 +294,32 @@ class _Run:
                 raise AssertionError(f"{type(node).__name__} in a body")
 
     def _achieve(self, node: Achieve) -> None:
-        if self.calls:
-            raise NotModelled("an `achieve` after a controller call", node.location)
-        if self.has_state_let:
-            # The plan for this may change what the `let` has read; the triple would not.
-            raise NotModelled("an `achieve` after a `let` that reads the state", node.location)
+        self._plan_for(node)
         if not node.once:
             self._require(node.condition, node)
+
+    def _plan_for(self, node: Achieve) -> None:
+        if self.calls:
+            raise NotModelled("an `achieve` after a controller call", node.location)
+        self._age((node.condition,))
+
+    def _age(self, conditions: tuple[Expression, ...]) -> None:
+        """Plans for conditions may change what a `let` has read; its value would be another."""
+        program, stale = self.model.program, self.stale
+        for name, let in self.reading.items():
+            if not stale.isdisjoint(free_variables(let.value)) or (
+                conditions and disturbed(program, (let,), conditions)
+            ):
+                stale |= {name}
+        self.stale = stale
 
     def _require(self, condition: Expression, node: Statement) -> None:
         self.pre = (*self.pre, _Demand(self._now(condition, self.variables), _place(node)))
 
     def _now(self, expression: Expression, variables: Variables) -> Expression:
         """The value of an expression where the run stands, over the state before."""
+        if not self.stale.isdisjoint(free_variables(expression)):
+            raise NotModelled(_STALE, expression.location)
         return self.executor.value(expression, self.layer, variables)
 
     def _conditions(
@@ -304,8 +330,8 @@ class _Run:
         for node in statements:
             match node:
                 case Assert(condition=condition) | Achieve(condition=condition, once=False):
-                    if isinstance(node, Achieve) and (self.calls or self.has_state_let):
-                        self._achieve(node)
+                    if isinstance(node, Achieve):
+                        self._plan_for(node)
                     yield _Demand(self._now(condition, variables), _place(node))
                 case Achieve():
                     continue
@@ -356,6 +382,13 @@ class _Run:
             variables = dict(zip(names, values, strict=True))
             self.execute(controller.effect, variables)
 
+    def own_effect(self, effect: tuple[Statement, ...]) -> None:
+        """A behavior's effect, after its body."""
+        for part in parts_of(effect):
+            if isinstance(part, Variable) and part.name in self.stale:
+                raise NotModelled(_STALE, part.location)
+        self.execute(effect, self.variables)
+
     def execute(self, effect: tuple[Statement, ...], variables: Variables) -> None:
         """An effect on top of those before; it can be applied only where it stays in bounds."""
         self.layer = self.executor.execute(effect, self.layer, variables)
@@ -370,10 +403,12 @@ class _Run:
         names = [p.name for p in called.parameters]
         inside = self.copy()
         inside.variables = dict(zip(names, values, strict=True))
+        inside.reading, inside.stale = {}, frozenset()
+        self._age(tuple(achieved_in(self.model.program, (node,))))
         for run in inside.block(body_of(called)):
             if called.effect is not None:
-                run.execute(called.effect, run.variables)
-            run.variables = self.variables
+                run.own_effect(called.effect)
+            run.variables, run.reading, run.stale = self.variables, self.reading, self.stale
             yield run
 
 

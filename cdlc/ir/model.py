@@ -7,7 +7,7 @@ from cdlc.ir.errors import FormulaTooLarge, NoHoareModel
 from cdlc.ir.hoare import Model
 from cdlc.ir.text import MAX_WRITTEN, oversized
 from cdlc.ir.updates import NotModelled
-from crow.program import Location
+from crow.program import Behavior, Location
 from crow.program.triples import HoareModel, Triple, Unmodelled
 
 NOWHERE = Location("", 1, 1, 1, 1)
@@ -18,7 +18,7 @@ def triples(model: Model, found: Collector) -> tuple[Triple, ...]:
 
     A behavior without a model is reported to `found` and left out.
     """
-    return tuple(_triples(model, found))
+    return tuple(t for b in model.program.behaviors for t in triples_of(model, b, found))
 
 
 def writable(triples: tuple[Triple, ...], found: Collector) -> bool:
@@ -49,12 +49,12 @@ def carried(model: Model) -> HoareModel:
     return HoareModel(str(model.pool.level), tuple(found), tuple(missing))
 
 
-def _triples(model: Model, found: Collector) -> Iterator[Triple]:
-    for behavior in model.program.behaviors:
-        try:
-            yield from model.triples(behavior)
-        except NotModelled as missing:
-            location = missing.location or behavior.location or NOWHERE
-            found.add(
-                NoHoareModel(location=location, construct=missing.construct, behavior=behavior.name)
-            )
+def triples_of(model: Model, behavior: Behavior, found: Collector) -> Iterator[Triple]:
+    """The triples of a behavior; one without a model is reported to `found`."""
+    try:
+        yield from model.triples(behavior)
+    except NotModelled as missing:
+        location = missing.location or behavior.location or NOWHERE
+        found.add(
+            NoHoareModel(location=location, construct=missing.construct, behavior=behavior.name)
+        )

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 from cdlc.ir.behaviors import reads_of
 from cdlc.ir.cells import Cells
@@ -46,6 +46,7 @@ from crow.program.types import INT64
 from crow.program.walk import subexpressions
 
 Variables = Mapping[str, Expression]
+Kept = TypeVar("Kept")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -344,8 +345,15 @@ class Executor(Cells):
         return layer
 
 
-def leaving(statements: tuple[Statement, ...], outer: Variables, inner: Variables) -> Variables:
-    """The variables after a block: those from before it, as set in it but not as hidden by it."""
-    hidden = {s.variable.name for s in statements if isinstance(s, Let)}
-    hidden |= {v.name for s in statements if isinstance(s, Bind) for v in s.variables}
+def leaving(
+    statements: tuple[Statement, ...], outer: Mapping[str, Kept], inner: Mapping[str, Kept]
+) -> Mapping[str, Kept]:
+    """What is kept of variables after a block: as set in it, but not as hidden by it."""
+    hidden = hidden_by(statements)
     return {name: outer[name] if name in hidden else inner[name] for name in outer}
+
+
+def hidden_by(statements: tuple[Statement, ...]) -> set[str]:
+    """The names that a block declares for itself."""
+    hidden = {s.variable.name for s in statements if isinstance(s, Let)}
+    return hidden | {v.name for s in statements if isinstance(s, Bind) for v in s.variables}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cdlc.backends.pddl.emit import PddlTask
-from cdlc.backends.pddl.plans import PlanFormatError, arguments_of, read_plan, to_step
+from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, read_plan, to_step
 from cdlc.plans.calls import (
     BadStepError,
     WrittenCall,
@@ -29,7 +29,8 @@ Call = tuple[str, tuple[Value, ...]]
 class PlanStep:
     """A behavior to apply, and the controller call the plan claims for it, if it claims one.
 
-    `calls` is None in a PDDL plan, which names none, and empty for a behavior that runs none.
+    `calls` is empty for a behavior that runs none, and None in a PDDL plan, which names none and
+    has `planned` instead.
     """
 
     behavior: Behavior
@@ -38,6 +39,7 @@ class PlanStep:
     calls: tuple[Call, ...] | None
     text: str
     location: Location
+    planned: PlannedTransition | None = None
 
     def is_same_application(self, other: "PlanStep") -> bool:
         """Whether two steps are of one behavior with the same arguments and binds."""
@@ -122,18 +124,14 @@ def _read_pddl(source: SourceFile, world: World, task: PddlTask) -> Iterator[Pla
     try:
         for line, action, arguments in read_plan(source.text):
             planned = to_step(task, world, action, arguments, line)
-            behavior, values = world.behaviors[planned.behavior], planned.arguments
-            bindings = dict(planned.bindings)
-            if planned.step is not None:
-                values = arguments_of(planned.step, behavior, planned)
-                behavior, bindings = planned.step, {}
             yield PlanStep(
-                behavior,
-                values,
-                bindings,
+                planned.behavior,
+                planned.arguments,
+                dict(planned.bindings),
                 None,
                 source.line(line).strip(),
                 line_of(source, line),
+                planned,
             )
     except PlanFormatError as error:
         raise BadStepError(line_of(source, error.line), str(error)) from None

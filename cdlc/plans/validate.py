@@ -1,12 +1,15 @@
 """Checking plans that somebody else made: text or JSON as `plan` prints it, or PDDL."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 from cdlc.backends.functions import as_reads
+from cdlc.backends.pddl.course import Course
 from cdlc.backends.pddl.emit import PddlTask
-from cdlc.backends.pddl.methods import method_steps
+from cdlc.backends.pddl.parts import Part, parts_of
+from cdlc.backends.pddl.plans import PlannedTransition
+from cdlc.backends.pddl.sexpr import NotPddl
 from cdlc.diagnostics import Collector
 from cdlc.frontend.check import CheckedDomain, CheckedProblem
 from cdlc.plans.calls import BadStepError
@@ -20,7 +23,7 @@ from crow.problem import Problem, State
 from crow.program import Location, Program
 from crow.replay import goal_item, replay
 from crow.trace import AssertItem, DoItem, TraceItem
-from crow.transition import Ambiguous, Transition, Unmet, apply
+from crow.transition import Ambiguous, Transition, Unmet
 
 
 class Compiled(Protocol):
@@ -82,12 +85,11 @@ def validate(compiled: Compiled, source: SourceFile, found: Collector) -> Valida
 
 def _apply_all(problem: Problem, steps: Sequence[PlanStep], found: Collector) -> State | None:
     """The state after all steps, or None, with a diagnostic, at the first that fails."""
-    state = problem.initial
+    course = Course(problem.world, problem.initial)
     position = 0
     while position < len(steps):
         step = steps[position]
-        applied = _applied(problem, state, step)
-        made = [(c.controller, c.arguments) for c in applied.calls]
+        applied, after = _applied(course, steps[position:])
         match applied.problem:
             case Unmet() as unmet:
                 found.add(step_failed(step.location, step.text, position + 1, unmet))
@@ -98,50 +100,75 @@ def _apply_all(problem: Problem, steps: Sequence[PlanStep], found: Collector) ->
                 found.add(BadStep(location=step.location, reason=reason))
                 return None
             case None:
-                state = applied.state
-        is_part = step.behavior.effect is None
-        width = 1 if step.calls is None or is_part else max(1, len(made))
-        if not _makes_calls(steps[position : position + width], made, found):
+                course = after
+        if not _makes_calls(steps[position:], applied):
+            found.add(
+                OtherCalls(
+                    location=step.location,
+                    behavior=step.text,
+                    expected=_listed(_made(applied)),
+                    found=_listed(_claimed(steps[position:], applied)),
+                )
+            )
             return None
-        position += width
-    return state
+        position += _width(step, applied)
+    if course.begun:
+        name = next(iter(course.begun.values())).behavior
+        reason = f"`{name}` has begun, and the plan does not end it"
+        found.add(BadStep(location=steps[-1].location, reason=reason))
+        return None
+    return course.state
 
 
-def _applied(problem: Problem, state: State, step: PlanStep) -> Transition:
-    """A behavior applied; of a method, which is no single step, the one that makes the call."""
-    program, behavior = problem.world.program, step.behavior
-    whole = apply(problem.world, state, behavior, step.arguments, step.bindings)
-    if behavior.effect is not None or not step.calls:
-        return whole
-    names = [p.name for p in behavior.parameters]
-    values = {**dict(zip(names, step.arguments, strict=True)), **step.bindings}
-    tried = [whole]
-    for part in method_steps(program, behavior):
-        needed = [p.name for p in part.behavior.parameters]
-        if all(name in values for name in needed):
-            arguments = tuple(values[name] for name in needed)
-            applied = apply(problem.world, state, part.behavior, arguments)
-            if [(c.controller, c.arguments) for c in applied.calls] == list(step.calls):
-                tried.append(applied)
-    return next((t for t in reversed(tried) if t.problem is None), tried[-1])
+def _applied(course: Course, steps: Sequence[PlanStep]) -> tuple[Transition, Course]:
+    """What the first step does: the part of its behavior that makes the calls it claims.
+
+    Where there is none, the first one that can be carried out, or else the first.
+    """
+    step, tried = steps[0], list[tuple[Transition, Course]]()
+    for planned in _candidates(course, step):
+        applied, after = course.after(planned)
+        if applied.problem is None and _makes_calls(steps, applied):
+            return applied, after
+        tried.append((applied, after))
+    return next((t for t in tried if t[0].problem is None), tried[0])
 
 
-def _makes_calls(steps: Sequence[PlanStep], made: list[Call], found: Collector) -> bool:
-    """Whether the steps of one behavior claim the calls that it makes."""
-    first = steps[0]
-    same = [step for step in steps if step.is_same_application(first)]
-    claimed = [call for step in same for call in step.calls or ()]
-    if first.calls is None or claimed == made:
-        return True
-    found.add(
-        OtherCalls(
-            location=first.location,
-            behavior=first.text,
-            expected=_listed(made),
-            found=_listed(claimed),
-        )
-    )
-    return False
+def _candidates(course: Course, step: PlanStep) -> Iterator[PlannedTransition]:
+    if step.planned is not None:
+        yield step.planned
+        return
+    behavior, bindings = step.behavior, step.bindings
+    try:
+        parts = parts_of(course.world.program, behavior)
+    except NotPddl:
+        parts = ()
+    for part in sorted(parts, key=lambda part: part.needs is None):  # what has begun goes on first
+        known = {p.name for p in behavior.parameters} | bindings.keys()
+        if behavior.effect is not None or all(p.name in known for p in part.applied.parameters):
+            yield from course.begun_for(part, step.arguments, bindings)
+    if not any(part.applied is behavior for part in parts):
+        yield PlannedTransition(Part(behavior, behavior, behavior), step.arguments, bindings)
+
+
+def _makes_calls(steps: Sequence[PlanStep], applied: Transition) -> bool:
+    """Whether the steps claim the calls that were made for the first of them."""
+    return steps[0].calls is None or _claimed(steps, applied) == _made(applied)
+
+
+def _made(applied: Transition) -> list[Call]:
+    return [(c.controller, c.arguments) for c in applied.calls]
+
+
+def _claimed(steps: Sequence[PlanStep], applied: Transition) -> list[Call]:
+    first, width = steps[0], _width(steps[0], applied)
+    same = (step for step in steps[:width] if step.is_same_application(first))
+    return [call for step in same for call in step.calls or ()]
+
+
+def _width(step: PlanStep, applied: Transition) -> int:
+    """How many steps of a plan stand for what was done; in PDDL it is one."""
+    return 1 if step.calls is None else max(1, len(applied.calls))
 
 
 def _listed(calls: list[Call]) -> str:

@@ -62,13 +62,15 @@ class Ambiguous:
 class Transition:
     """What applying a behavior did: the trace, the state after it, and the bound variables.
 
-    `problem` says why it stopped before its end, if it did.
+    `problem` says why it stopped before its end, if it did. `variables` are all that the body knows
+    at its end.
     """
 
     trace: Trace
     state: State
     bindings: Mapping[str, Value]
     problem: Unmet | Ambiguous | None = None
+    variables: Mapping[str, Value] = field(default_factory=dict)
 
     @property
     def calls(self) -> tuple[DoItem, ...]:
@@ -94,7 +96,7 @@ def apply(
     run = _Application(world, state, behavior, ChainMap(variables), dict(bindings or {}))
     run.taken.update(names)
     problem = run.run()
-    return Transition(tuple(run.trace), run.state, run.bound, problem)
+    return Transition(tuple(run.trace), run.state, run.bound, problem, dict(run.variables))
 
 
 class _Stop(Exception):  # noqa: N818 - ends the walk over the body

@@ -39,6 +39,7 @@ STAGES = {
     "not-in-pddl": "pddl",
     "not-plannable": "plannable",
     "not-discrete": "pddl",
+    "split-behavior": "pddl",
     "unset-in-pddl": "pddl",
 }
 # What needs more than a file to happen, with the test of it.

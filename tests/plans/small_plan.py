@@ -7,6 +7,7 @@ from typing import Any
 from programs import checked_problem, task_of
 
 from cdlc.backends.pddl import PddlTask
+from cdlc.backends.pddl.parts import Part
 from cdlc.backends.pddl.plans import PlannedTransition
 from cdlc.backends.pddl.solve import run
 from cdlc.diagnostics import Collector, Diagnostic
@@ -57,6 +58,11 @@ goal: q(a) and q(b) and p(u)
 PDDL_PLAN = "(silent u-2)\n(first a b) ; a comment\n0.3: (first b u-2) [1]\n"
 
 
+def whole(problem: Problem, name: str) -> Part:
+    behavior = problem.world.behaviors[name]
+    return Part(behavior, behavior, behavior)
+
+
 class Small:
     """The problem compiled, as `validate` wants it."""
 
@@ -74,10 +80,11 @@ class Small:
 
     @cached_property
     def result(self) -> Result:
+        first, silent = (whole(self.problem, name) for name in ("first", "silent"))
         planned = [
-            PlannedTransition("silent", ("u",), {}, ()),
-            PlannedTransition("first", ("a",), {"y": "b"}, ()),
-            PlannedTransition("first", ("b",), {"y": "u"}, ()),
+            PlannedTransition(silent, ("u",), {}),
+            PlannedTransition(first, ("a",), {"y": "b"}),
+            PlannedTransition(first, ("b",), {"y": "u"}),
         ]
         steps, trace = run(self.problem, planned)
         return Result("plan", "by-hand", steps, trace, float(len(steps)))

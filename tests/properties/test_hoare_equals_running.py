@@ -109,7 +109,7 @@ class Simulated:
         problem = Problem("random", world, initial, TRUE)
         found = Collector()
         model = Model(world.program, level)
-        task = to_pddl(model, model.triples(world.behaviors["act"]), problem, found)
+        task = to_pddl(model, problem, found)
         assert task is not None, [d.message() for d in found]
         assert task.problem is not None
         self.task = task

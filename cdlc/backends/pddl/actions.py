@@ -11,9 +11,9 @@ from itertools import permutations
 from cdlc.backends.pddl.conditions import Lowering, condition, typed
 from cdlc.backends.pddl.costs import Charged, Costs, CostTable, charge_of, table_of
 from cdlc.backends.pddl.effects import effects, overruling
-from cdlc.backends.pddl.methods import MethodStep
 from cdlc.backends.pddl.names import Names, imported_name, variable_name
 from cdlc.backends.pddl.normal import NormalTriple, normal
+from cdlc.backends.pddl.parts import Part
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
 from cdlc.ir.hoare import Model
 from cdlc.ir.pool import Pool
@@ -37,11 +37,15 @@ class Chosen:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A behavior an action stands for, or a step of one that is a method, and its variables."""
+    """The part of a behavior that an action stands for, and its variables."""
 
-    behavior: str
+    part: Part
     variables: tuple[Chosen, ...]
-    step: MethodStep | None = None
+
+    @property
+    def behavior(self) -> str:
+        """The name of the behavior."""
+        return self.part.whole.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +75,10 @@ def actions(
     transitions: Sequence[Charged],
     names: Names,
     costs: Costs,
-    steps: Mapping[str, MethodStep],
+    parts: Mapping[str, Part],
 ) -> tuple[Action, ...]:
     """The actions of a program, in the order of their first behaviors; those that can never be
-    applied are left out. `steps` are those of methods, by the names of their behaviors.
+    applied are left out. `parts` are what triples are of, by their names.
 
     Raises NotPddl.
     """
@@ -88,7 +92,7 @@ def actions(
             first = next(_orders(model, triple))
             index[first.key] = [first]
             groups.append(index[first.key])
-    made = (_action(model, group, names, costs, steps) for group in groups)
+    made = (_action(model, group, names, costs, parts) for group in groups)
     return tuple(action for action in made if action is not None)
 
 
@@ -198,7 +202,7 @@ def _action(
     group: list[_Ordered],
     names: Names,
     costs: Costs,
-    steps: Mapping[str, MethodStep],
+    parts: Mapping[str, Part],
 ) -> Action | None:
     first = group[0]
     triple = first.triple
@@ -210,7 +214,7 @@ def _action(
         return None
     clauses = tuple(effects(triple.post, triple.pre, lowering, executor))
     types = {p.name: p.type for p in triple.parameters}
-    name = _name(triple, names, steps)
+    name = _name(triple, names, parts)
     name = names.add("action", name, _imported(model.program, name))
     cost = first.charged.cost
     own = [Parameter(n, types[n]) for n in first.order]
@@ -221,23 +225,16 @@ def _action(
         tuple(Parameter(chosen[name], types[name]) for name in first.order),
         precondition,
         (*clauses, *charge),
-        tuple(_source(same, [chosen[name] for name in first.order], steps) for same in group),
+        tuple(_source(same, [chosen[name] for name in first.order], parts) for same in group),
         table,
     )
 
 
-def _source(ordered: _Ordered, parameters: list[str], steps: Mapping[str, MethodStep]) -> Source:
+def _source(ordered: _Ordered, parameters: list[str], parts: Mapping[str, Part]) -> Source:
     places = dict(zip(ordered.order, parameters, strict=True))
     form = ordered.charged.form
     variables = tuple(_chosen(v, places, form.fixed) for v in form.variables)
-    step = steps.get(ordered.triple.behavior)
-    return Source(_origin(ordered.triple, steps), variables, step)
-
-
-def _origin(triple: Triple, steps: Mapping[str, MethodStep]) -> str:
-    """The behavior of the program behind a triple."""
-    step = steps.get(triple.behavior)
-    return triple.behavior if step is None else step.method.name
+    return Source(parts[ordered.triple.behavior], variables)
 
 
 def _chosen(
@@ -272,15 +269,15 @@ def _imported(program: Program, name: str) -> str | None:
     return next(found, None)
 
 
-def _name(triple: Triple, names: Names, steps: Mapping[str, MethodStep]) -> str:
+def _name(triple: Triple, names: Names, parts: Mapping[str, Part]) -> str:
     """The only controller's name if it is free, else the behavior's, numbered from the second."""
     if len(triple.calls) == 1:
         name = triple.calls[0].controller
         if not names.has("action", name):
             return name
-    name = origin = _origin(triple, steps)
+    name = origin = parts[triple.behavior].whole.name
     number = 1
-    while names.has("action", name):
+    while names.has("action", name) or (number > 1 and not names.is_free(name)):
         number += 1
         name = f"{origin}-{number}"
     return name

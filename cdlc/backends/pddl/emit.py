@@ -17,15 +17,16 @@ from cdlc.backends.pddl.conditions import Lowering, atom, condition
 from cdlc.backends.pddl.costs import Costs, charged
 from cdlc.backends.pddl.domain import Domain, domain_text
 from cdlc.backends.pddl.enumerated import enumerated
-from cdlc.backends.pddl.fit import report_unfit, report_unmodelled, report_unset
-from cdlc.backends.pddl.methods import MethodStep, method_steps
+from cdlc.backends.pddl.fit import report_split, report_unfit, report_unmodelled, report_unset
 from cdlc.backends.pddl.names import Names, imported_name
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.numbers import numeric
+from cdlc.backends.pddl.parts import Part, closing, parts_of, with_parts
 from cdlc.backends.pddl.problems import problem_text
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr, TooLarge, words
 from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model
+from cdlc.ir.model import triples_of
 from cdlc.ir.updates import NotModelled
 from crow.problem import Problem
 from crow.program import Feature, Location, Program
@@ -67,7 +68,6 @@ class Emission:
 
 def to_pddl(
     model: Model,
-    triples: Sequence[Triple],
     problem: Problem | None,
     found: Collector,
     emission: Emission = Emission(),
@@ -84,55 +84,77 @@ def to_pddl(
     if found.errors > before:
         return None
     try:
-        return _smallest(model, triples, problem, emission)
+        parts = _parts(model.program, found)
+        program = with_parts(model.program, parts)
+        inside = model if program is model.program else Model(program, model.pool.level)
+        transitions = _transitions(inside, parts, found)
+        if found.errors > before:
+            return None
+        stated = None if problem is None else closing(problem, program, parts)
+        return _smallest(inside, transitions, stated, emission)
     except NotPddl as refused:
         location = refused.location or Location("", 1, 1, 1, 1)
         found.add(NotInPddl(location=location, construct=refused.construct, cure=refused.cure))
         return None
 
 
+def _parts(program: Program, found: Collector) -> tuple[Part, ...]:
+    """The parts of all behaviors in source order; those that are split are reported."""
+    parts: list[Part] = []
+    for behavior in program.behaviors:
+        own = parts_of(program, behavior)
+        report_split(behavior, own, found)
+        parts += own
+    return tuple(parts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Transition:
+    part: Part
+    triples: tuple[Triple, ...]
+
+
+def _transitions(model: Model, parts: Sequence[Part], found: Collector) -> tuple[_Transition, ...]:
+    """The parts with their triples; one without is reported."""
+    return tuple(
+        _Transition(part, tuple(triples_of(model, part.behavior, found))) for part in parts
+    )
+
+
 def _smallest(
-    model: Model, triples: Sequence[Triple], problem: Problem | None, emission: Emission
+    model: Model,
+    transitions: Sequence[_Transition],
+    problem: Problem | None,
+    emission: Emission,
 ) -> PddlTask:
     """The task with its derived functions unfolded, if that has an end and is wanted."""
+    steps = {t.part.name: t.part for t in transitions}
+    triples = [triple for t in transitions for triple in t.triples]
     if emission.enumerates:
-        return _enumerated(model, triples, problem)
+        inside, made, stated = enumerated(model, triples, problem)
+        return _task(inside, inside, made, steps, stated)
     if not any(map(is_predicate, model.program.functions)):
-        return _task(model, model, triples, problem)
+        return _task(model, model, triples, steps, problem)
     if not emission.axioms:
         try:
-            return _task(model, model, triples, problem)
+            return _task(model, model, triples, steps, problem)
         except TooLarge:
             pass
     opaque = opaque_model(model)
-    wanted = {triple.behavior for triple in triples}
-    behaviors = [b for b in model.program.behaviors if b.name in wanted]
-    return _task(opaque, model, tuple(opaque_triples(opaque, model, behaviors)), problem)
-
-
-def _enumerated(model: Model, triples: Sequence[Triple], problem: Problem | None) -> PddlTask:
-    """The task with objects for numbers."""
-    all_, steps = _with_methods(model, triples)
-    inside, made, stated = enumerated(model, all_, problem)
-    return _task_of(inside, inside, made, steps, stated)
+    kept = opaque_triples(opaque, model, [t.part.behavior for t in transitions])
+    return _task(opaque, model, tuple(kept), steps, problem)
 
 
 def _task(
-    model: Model, unfolding: Model, triples: Sequence[Triple], problem: Problem | None
-) -> PddlTask:
-    """The task in the formulas of a model; `unfolding` is that which unfolds all it can."""
-    all_, steps = _with_methods(model, triples)
-    return _task_of(model, unfolding, all_, steps, problem)
-
-
-def _task_of(
     model: Model,
     unfolding: Model,
     all_: Sequence[Triple],
-    steps: dict[str, MethodStep],
+    steps: dict[str, Part],
     problem: Problem | None,
 ) -> PddlTask:
-    """The task of all transitions, `steps` of methods among them."""
+    """The task of all transitions in the formulas of a model; `unfolding` is that which unfolds all
+    it can.
+    """
     program = unfolding.program
     names = _names(program)
     kept = axioms(model, unfolding, names)
@@ -156,30 +178,6 @@ def _task_of(
     stated = _heading("problem", problem.name) + own + problem_text(problem, goal, domain, metric)
     is_hopeless = goal == NEVER
     return PddlTask(program, made, names, text, stated, is_hopeless, has_axioms=bool(used))
-
-
-def _with_methods(
-    model: Model, triples: Sequence[Triple]
-) -> tuple[list[Triple], dict[str, MethodStep]]:
-    """The triples of behaviors and of the steps of methods, in source order; and those steps."""
-    steps: dict[str, MethodStep] = {}
-    by_behavior: dict[str, list[Triple]] = {}
-    for triple in triples:
-        by_behavior.setdefault(triple.behavior, []).append(triple)
-    for method in model.program.behaviors:
-        if method.effect is None:
-            for step in method_steps(model.program, method):
-                steps[step.behavior.name] = step
-                by_behavior.setdefault(method.name, []).extend(_triples_of(model, step))
-    names = [b.name for b in model.program.behaviors]
-    return [t for name in names for t in by_behavior.get(name, ())], steps
-
-
-def _triples_of(model: Model, step: MethodStep) -> tuple[Triple, ...]:
-    try:
-        return model.triples(step.behavior)
-    except NotModelled as refused:
-        raise NotPddl(refused.construct, refused.location) from None
 
 
 def _names(program: Program) -> Names:

@@ -1,16 +1,17 @@
 """What keeps a program from being PDDL, seen before anything is emitted."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from cdlc.backends.errors import NotDiscrete, NotInPddl, UnsetInPddl
+from cdlc.backends.errors import NotDiscrete, NotInPddl, SplitBehavior, UnsetInPddl
 from cdlc.backends.pddl.methods import unmodelled_calls
+from cdlc.backends.pddl.parts import Part
 from cdlc.backends.pddl.problems import unset_cells
 from cdlc.diagnostics import Collector
 from cdlc.ir.behaviors import statements_of
 from cdlc.ir.errors import UnmodelledController
 from crow.evaluate import shown_cell
 from crow.problem import Problem
-from crow.program import Assign, Expression, Feature, Location, Program, Read
+from crow.program import Assign, Behavior, Expression, Feature, Location, Program, Read
 from crow.program.types import is_boolean, is_number, is_object
 from crow.program.walk import expressions_of, subexpressions
 
@@ -38,6 +39,19 @@ def report_unmodelled(program: Program, found: Collector) -> None:
                 location=call.location or Location("", 1, 1, 1, 1),
                 controller=call.controller,
                 declared=declared[call.controller],
+            )
+        )
+
+
+def report_split(behavior: Behavior, parts: Sequence[Part], found: Collector) -> None:
+    """Warn of a behavior that becomes a transition a phase."""
+    later = [part.behavior.location for part in parts if part.needs is not None]
+    if later:
+        found.add(
+            SplitBehavior(
+                location=behavior.location or Location("", 1, 1, 1, 1),
+                behavior=behavior.name,
+                again=tuple(dict.fromkeys(filter(None, later))),
             )
         )
 

@@ -39,17 +39,9 @@ from crow.program.types import INT64, is_object
 from crow.program.walk import free_variables, statements_within, subexpressions
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MethodStep:
-    """One `do` of a method: as a behavior of its own, whose parameters are what it depends on."""
-
-    method: Behavior
-    behavior: Behavior
-    controller: str
-
-
-def method_steps(program: Program, method: Behavior) -> tuple[MethodStep, ...]:
-    """The steps of a method that have effects, in source order; equal ones once.
+def method_steps(program: Program, method: Behavior) -> tuple[Behavior, ...]:
+    """The steps of a method that have effects, in source order: one `do` each, as a behavior of its
+    own whose parameters are what it depends on.
 
     Raises NotPddl for a step that depends on a value which is no object, or was read before
     something that may have changed it.
@@ -106,7 +98,7 @@ def _reads(value: Expression) -> bool:
 class _Walk:
     program: Program
     method: Behavior
-    steps: list[MethodStep] = field(default_factory=list)
+    steps: list[Behavior] = field(default_factory=list)
     _bound: list[Parameter] = field(default_factory=list)
 
     def block(self, statements: tuple[Statement, ...], place: _Place) -> _Place:
@@ -235,7 +227,7 @@ class _Walk:
             (),
             location=node.location,
         )
-        self.steps.append(MethodStep(self.method, _only_used(behavior), node.controller))
+        self.steps.append(_only_used(behavior))
 
 
 def _only_used(step: Behavior) -> Behavior:

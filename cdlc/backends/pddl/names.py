@@ -45,6 +45,10 @@ class Names:
         """Whether a thing, or any thing of that kind, was added."""
         return any(k == kind and name in (None, n) for k, n in self._by_origin)
 
+    def is_free(self, name: str) -> bool:
+        """Whether a name stands for nothing yet."""
+        return name.lower() not in self._origins
+
     def origin(self, kind: str, name: str) -> str | None:
         """The CDL name behind the PDDL name, in any case, of a thing of some kind."""
         found, origin = self._origins.get(name.lower(), ("", None))

@@ -1,26 +1,33 @@
 """Plans of PDDL planners as transitions of the CDL program."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cdlc.backends.pddl.actions import Source
 from cdlc.backends.pddl.emit import PddlTask
+from cdlc.backends.pddl.parts import Part
 from crow.problem import World
 from crow.program import Behavior, Parameter, Type
+from crow.values import Value
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedTransition:
-    """A behavior with its arguments and binds; `also` are other behaviors it might have been.
+    """A part of a behavior with arguments and binds; `also` are other behaviors it might have been.
 
-    `step` is the behavior to apply in its place where it is one step of a method.
+    Of a part that goes on with what another has begun, the binds include its locals.
     """
 
-    behavior: str
-    arguments: tuple[str, ...]
-    bindings: dict[str, str]
-    also: tuple[str, ...]
-    step: Behavior | None = None
+    part: Part
+    arguments: tuple[Value, ...]
+    bindings: Mapping[str, Value]
+    also: tuple[str, ...] = ()
+
+    @property
+    def behavior(self) -> Behavior:
+        """The behavior it is a part of."""
+        return self.part.whole
 
 
 class PlanFormatError(ValueError):
@@ -85,7 +92,7 @@ def _object(task: PddlTask, world: World, name: str, type_: Type, line: int) -> 
 def _transition(
     world: World, source: Source, values: dict[str, str], also: tuple[str, ...], line: int
 ) -> PlannedTransition:
-    behavior = world.behaviors[source.behavior]
+    behavior = source.part.whole
     own: dict[str, str] = {}
     for chosen in source.variables:
         variable = chosen.variable
@@ -99,8 +106,7 @@ def _transition(
         own.pop(p.name) if p.name in own else _any_object(world, behavior.name, p, line)
         for p in behavior.parameters
     )
-    step = None if source.step is None else source.step.behavior
-    return PlannedTransition(behavior.name, arguments, own, also, step)
+    return PlannedTransition(source.part, arguments, own, also)
 
 
 def _any_object(world: World, behavior: str, variable: Parameter, line: int) -> str:
@@ -110,10 +116,3 @@ def _any_object(world: World, behavior: str, variable: Parameter, line: int) -> 
         needed = f"`{behavior}` needs an object of type `{variable.type}`"
         raise PlanFormatError(f"{needed}, and there is none", line)
     return objects[0]
-
-
-def arguments_of(step: Behavior, method: Behavior, planned: PlannedTransition) -> tuple[str, ...]:
-    """The arguments of one step of a method, out of those of the method and its binds."""
-    names = [p.name for p in method.parameters]
-    values = dict(zip(names, planned.arguments, strict=True)) | planned.bindings
-    return tuple(values[p.name] for p in step.parameters)

@@ -1,16 +1,14 @@
 """Planning with a PDDL engine: emit, solve in a child process, map back, replay."""
 
-from dataclasses import replace
-
 from cdlc.backends.engines import EngineStatus, solve
+from cdlc.backends.pddl.course import Course, steps_of
 from cdlc.backends.pddl.emit import PddlTask
-from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, arguments_of, to_step
+from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, to_step
 from crow.evaluate import evaluate
 from crow.plan import Result, Step
-from crow.problem import Problem, State, World
+from crow.problem import Problem
 from crow.replay import replay, replay_to_goal
-from crow.trace import DoItem, EffItem, TraceItem
-from crow.transition import Transition, apply
+from crow.trace import TraceItem
 
 
 class InvalidPlan(Exception):  # noqa: N818 - a fault of the engine or of ours, not of the input
@@ -69,41 +67,21 @@ def run(
 ) -> tuple[tuple[Step, ...], tuple[TraceItem, ...]]:
     """Apply transitions from the initial state, then replay their trace to the goal.
 
-    Raises InvalidPlan at the first one that cannot be applied, or if the goal is not reached.
+    Raises InvalidPlan at the first one that cannot be applied, if the goal is not reached, or if a
+    behavior has begun and not ended.
     """
-    state, steps, trace = problem.initial, list[Step](), list[TraceItem]()
+    course, steps, trace = Course(problem.world, problem.initial), list[Step](), list[TraceItem]()
     for number, transition in enumerate(planned, 1):
-        applied = apply_planned(problem.world, state, transition)
+        applied, course = course.after(transition)
         if applied.problem is not None:
             raise InvalidPlan(f"step {number}: {applied.problem}")
-        state = applied.state
         trace += applied.trace
         steps += steps_of(transition, applied)
+    if course.begun:
+        name = next(iter(course.begun.values())).behavior
+        raise InvalidPlan(f"`{name}` has begun and does not end")
     replayed = replay_to_goal(problem, tuple(trace))
     if replayed.failure is not None:
         failure = replayed.failure
         raise InvalidPlan(f"`{failure.condition}`: {failure.reason}")
     return tuple(steps), tuple(trace)
-
-
-def apply_planned(world: World, state: State, planned: PlannedTransition) -> Transition:
-    """Apply a planned transition in a state."""
-    behavior = world.behaviors[planned.behavior]
-    if planned.step is not None:
-        applied = apply(world, state, planned.step, arguments_of(planned.step, behavior, planned))
-        # The step stands for what the method does; it has no effect of its own.
-        own = (
-            i for i in applied.trace if not isinstance(i, EffItem) or i.owner != planned.step.name
-        )
-        return replace(applied, trace=tuple(own))
-    return apply(world, state, behavior, planned.arguments, planned.bindings)
-
-
-def steps_of(planned: PlannedTransition, applied: Transition) -> list[Step]:
-    """The steps of an applied transition, one a controller call."""
-    calls = [item for item in applied.trace if isinstance(item, DoItem)]
-    bindings = dict(applied.bindings) if planned.step is None else dict(planned.bindings)
-    own = (planned.behavior, planned.arguments, bindings)
-    if not calls:
-        return [Step(*own, None, (), planned.also)]
-    return [Step(*own, call.controller, call.arguments, planned.also) for call in calls]

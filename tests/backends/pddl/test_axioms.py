@@ -13,7 +13,6 @@ from cdlc.backends.up import to_up
 from cdlc.diagnostics import Collector
 from cdlc.driver import Compilation
 from cdlc.ir.hoare import Model
-from cdlc.ir.model import triples
 from crow.problem import Problem
 
 needs_planner = pytest.mark.skipif("fast-downward" not in installed(), reason="needs `planners`")
@@ -40,7 +39,7 @@ def task_of(domain: str, problem: str | None = None, *, axioms: bool = True) -> 
         program, statement = statement_of(domain, problem)
         stated = Problem.of(program, statement)
     model = Model(program)
-    task = to_pddl(model, triples(model, found), stated, found, Emission(axioms=axioms))
+    task = to_pddl(model, stated, found, Emission(axioms=axioms))
     assert task is not None, [d.message() for d in found]
     return task
 

@@ -232,7 +232,7 @@ def test_a_step_leads_back_to_the_first_of_its_behaviors() -> None:
     (action, _) = task.actions
     assert [p.name for p in action.parameters] == ["x", "y", "y_2"]
     step = to_step(task, world, "GO", ("A", "b", "Home"), 1)
-    assert (step.behavior, step.arguments) == ("act", ("a", "home"))
+    assert (step.behavior.name, step.arguments) == ("act", ("a", "home"))
     assert (step.bindings, step.also) == ({"y": "b", "y_2": "home"}, ("also",))
 
 

@@ -18,7 +18,6 @@ from cdlc.backends.pddl.sexpr import conjuncts
 from cdlc.backends.pddl.solve import solve_task
 from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model
-from cdlc.ir.model import triples
 from crow.problem import Problem, State, World
 from crow.program import BOOL, Constant, Parameter
 from crow.program.types import ObjectType
@@ -36,7 +35,7 @@ def tried(domain: str, problem: str | None = None) -> tuple[PddlTask | None, Col
         program, statement = statement_of(domain, problem)
         stated = Problem.of(program, statement)
     model = Model(program)
-    task = to_pddl(model, triples(model, found), stated, found, Emission(enumerates=True))
+    task = to_pddl(model, stated, found, Emission(enumerates=True))
     return task, found, stated
 
 
@@ -142,7 +141,7 @@ def test_the_tables_compute_what_the_interpreter_does(eff: str) -> None:
         state = State({c: v for c, v in cells.items() if v != 0})
         problem = Problem("p", world, state, Constant(value=True, type=BOOL))
         model, found = Model(program), Collector()
-        task = to_pddl(model, triples(model, found), problem, found, Emission(enumerates=True))
+        task = to_pddl(model, problem, found, Emission(enumerates=True))
         assert task is not None
         simulated = Simulated(task, world)
         for arguments in product(world.objects, repeat=2):
