@@ -50,9 +50,10 @@ class NoHoareModel(Diagnostic):
           eff:
             open[x] = True
 
-    A triple is one transition, so what is achieved after a controller call, or after a `let` that
-    reads the state, is not part of it; nor are `bind`s of values. `check` and `simulate` take every
-    behavior. Achieve first, or split the behavior in two.
+    A triple is one transition, so what is achieved after a controller call is not part of it, nor
+    is a `let` used after an `achieve` that may change what it has read, nor are `bind`s of values.
+    `check`, `plan` and `simulate` take such a behavior, and PDDL gets an action a phase of it.
+    Achieve first, or split the behavior in two.
     """
 
     construct: str
