@@ -72,6 +72,20 @@ def evaluate(world: World, state: State, expression: Expression, variables: Envi
         raise EvaluationError(_TOO_DEEP, expression.location) from None
 
 
+def evaluate_shared(
+    world: World, state: State, expression: Expression, variables: Environment
+) -> Value:
+    """The value of a formula whose parts are shared, as those of the Hoare model are.
+
+    Each part is evaluated once, where the text of the formula may be exponential in its size.
+    Raises EvaluationError as `evaluate` does.
+    """
+    try:
+        return _SharedEvaluator(world, state.cells).value(expression, variables)
+    except RecursionError:
+        raise EvaluationError(_TOO_DEEP, expression.location) from None
+
+
 def holds(world: World, state: State, condition: Expression, variables: Environment) -> bool:
     """Whether a condition is true in a state. Raises EvaluationError as `evaluate` does."""
     return bool(evaluate(world, state, condition, variables))
@@ -214,6 +228,30 @@ class _Evaluator:
         result = _Run(self.world, self.cells).block(function.body, inner)
         assert isinstance(result, _Returned)
         return _located(node.location, converted, result.value, function.type)
+
+
+class _SharedEvaluator(_Evaluator):
+    """Remembers the value of each node, for the variables there are at the time."""
+
+    def __init__(self, world: World, cells: Mapping[Cell, object]) -> None:
+        super().__init__(world, cells)
+        self._known: dict[int, Value] = {}
+
+    def value(self, node: Expression, variables: Environment) -> Value:
+        if id(node) not in self._known:
+            self._known[id(node)] = super().value(node, variables)
+        return self._known[id(node)]
+
+    def _quantified(self, node: Quantified, variables: Environment) -> bool:
+        outer, is_every = self._known, node.quantifier == "forall"
+        try:
+            for inner in assignments_of(self.world, node.variables, variables):
+                self._known = {}
+                if self.value(node.body, inner) != is_every:
+                    return not is_every
+            return is_every
+        finally:
+            self._known = outer
 
 
 def _located(location: Location | None, compute: Callable[..., Value], *arguments: object) -> Value:

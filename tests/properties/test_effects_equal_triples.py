@@ -12,7 +12,7 @@ from properties.worlds import WORLD, states
 from cdlc.ir.hoare import Model
 from cdlc.ir.nodes import Level
 from cdlc.ir.updates import NotModelled
-from crow.evaluate import EvaluationError, assignments_of, evaluate, execute
+from crow.evaluate import EvaluationError, assignments_of, evaluate_shared, execute
 from crow.problem import State, World
 from crow.program import Parameter, Statement, Variable
 from crow.program.triples import Update
@@ -34,9 +34,9 @@ def applied(
             Parameter(v.name, v.type) for v in update.variables if isinstance(v, Variable)
         )
         for values in assignments_of(world, bound, variables):
-            if evaluate(world, state, update.guard, values):
-                cell = tuple(evaluate(world, state, a, values) for a in update.arguments)
-                changes[update.feature, cell] = evaluate(world, state, update.value, values)
+            if evaluate_shared(world, state, update.guard, values):
+                cell = tuple(evaluate_shared(world, state, a, values) for a in update.arguments)
+                changes[update.feature, cell] = evaluate_shared(world, state, update.value, values)
     return world.updated(state, changes)
 
 

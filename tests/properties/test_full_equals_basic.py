@@ -14,7 +14,7 @@ from cdlc.ir.pool import Pool
 from cdlc.ir.simplify import Work, simplest
 from cdlc.ir.symbolic import Executor
 from cdlc.ir.updates import Layer
-from crow.evaluate import EvaluationError, assignments_of, evaluate
+from crow.evaluate import EvaluationError, assignments_of, evaluate_shared
 from crow.problem import State
 from crow.program import (
     BOOL,
@@ -88,7 +88,7 @@ FORMULAS = st.one_of(
 def value(formula: Expression, state: State, variables: Mapping[str, object]) -> object:
     """The value of a formula, or None where it has none."""
     try:
-        return evaluate(WORLD, state, formula, variables)
+        return evaluate_shared(WORLD, state, formula, variables)
     except EvaluationError:
         return None
 

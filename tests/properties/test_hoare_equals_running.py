@@ -13,7 +13,7 @@ from cdlc.diagnostics import Collector
 from cdlc.ir.hoare import Model
 from cdlc.ir.nodes import Level
 from cdlc.ir.updates import NotModelled
-from crow.evaluate import assignments_of, evaluate
+from crow.evaluate import assignments_of, evaluate_shared
 from crow.problem import Problem, State, World
 from crow.program import BOOL, Constant, Parameter
 from crow.program.triples import Triple
@@ -44,14 +44,14 @@ def apply_post(world: World, facts: State, found: Triple, values: dict[str, str]
     for update in found.post:
         bound = tuple(Parameter(v.name, v.type) for v in update.variables)
         for inner in assignments_of(world, bound, values):
-            if evaluate(world, facts, update.guard, inner):
-                where = tuple(evaluate(world, facts, a, inner) for a in update.arguments)
-                cells[update.feature, where] = evaluate(world, facts, update.value, inner)
+            if evaluate_shared(world, facts, update.guard, inner):
+                where = tuple(evaluate_shared(world, facts, a, inner) for a in update.arguments)
+                cells[update.feature, where] = evaluate_shared(world, facts, update.value, inner)
     return State({cell: True for cell, value in cells.items() if value})
 
 
 def is_applicable(world: World, facts: State, found: Triple, values: dict[str, str]) -> bool:
-    return all(evaluate(world, facts, part, values) for part in found.pre)
+    return all(evaluate_shared(world, facts, part, values) for part in found.pre)
 
 
 def outcomes(case: Case, true: Facts, level: Level) -> list[tuple[tuple[str, ...], State | None]]:

@@ -6,8 +6,9 @@ import time
 import pytest
 from programs import expression_of, start
 
-from crow.evaluate import EvaluationError, evaluate, holds
+from crow.evaluate import EvaluationError, evaluate, evaluate_shared, holds
 from crow.problem import State
+from crow.program import BOOL, Conditional, Not, Xor
 from crow.values import Value
 
 DOMAIN = """
@@ -133,6 +134,7 @@ def value(text: str, state: State = STATE) -> Value:
 def test_values(text: str, expected: Value) -> None:
     found = value(text)
     assert found == expected
+    assert evaluate_shared(WORLD, STATE, expression_of(DOMAIN, text, OBJECTS), {}) == expected
     assert type(found) is type(expected)
 
 
@@ -183,7 +185,16 @@ def test_values(text: str, expected: Value) -> None:
     ],
 )  # fmt: skip
 def test_conditions(text: str, expected: bool) -> None:
-    assert holds(WORLD, STATE, expression_of(DOMAIN, text, OBJECTS), {}) is expected
+    condition = expression_of(DOMAIN, text, OBJECTS)
+    assert holds(WORLD, STATE, condition, {}) is expected
+    assert evaluate_shared(WORLD, STATE, condition, {}) is expected
+
+
+def test_shared_parts_are_evaluated_once() -> None:
+    node = expression_of(DOMAIN, "exists x: item: p(x) and not p(b)", OBJECTS)
+    for _ in range(100):  # its text would have some 3 ** 100 parts
+        node = Conditional(node, Xor(Not(node), node), node, BOOL)
+    assert evaluate_shared(WORLD, STATE, node, {}) is True
 
 
 @pytest.mark.parametrize(

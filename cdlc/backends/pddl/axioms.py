@@ -8,12 +8,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from cdlc.backends.pddl.conditions import Lowering, condition, typed
-from cdlc.backends.pddl.names import Names, variable_name
+from cdlc.backends.pddl.names import Names, imported_name, variable_name
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.sexpr import SExpr, printed, words
 from cdlc.ir.hoare import Model
 from cdlc.ir.updates import NotModelled
-from crow.program import Annotation, Apply, Behavior, Function, Parameter, Variable
+from crow.program import Annotation, Apply, Behavior, Function, Parameter, Program, Variable
 from crow.program.triples import Triple
 from crow.program.types import is_boolean, is_object
 
@@ -42,9 +42,15 @@ def is_predicate(function: Function) -> bool:
     return function.body is not None and is_boolean(function.type) and has_objects
 
 
-def opaque_model(model: Model) -> Model:
-    """The model in which derived predicates are not unfolded, over the same formulas."""
-    functions = tuple(_opaque(f) if is_predicate(f) else f for f in model.program.functions)
+def kept_predicates(program: Program, *, every: bool) -> frozenset[str]:
+    """The derived predicates to keep: every one, or those that were such in PDDL."""
+    predicates = (f for f in program.functions if is_predicate(f))
+    return frozenset(f.name for f in predicates if every or imported_name(f) is not None)
+
+
+def opaque_model(model: Model, kept: frozenset[str]) -> Model:
+    """The model in which some derived predicates are not unfolded, over the same formulas."""
+    functions = tuple(_opaque(f) if f.name in kept else f for f in model.program.functions)
     made = Model(replace(model.program, functions=functions), model.pool.level)
     made.pool = model.pool
     return made
@@ -67,17 +73,16 @@ def opaque_triples(opaque: Model, model: Model, behaviors: Iterable[Behavior]) -
 
 def axioms(model: Model, unfolding: Model, names: Names) -> tuple[Axiom, ...]:
     """The functions of a program that a model keeps as predicates, in order of declaration."""
-    if model is unfolding:
-        return ()
-    kept = [f for f in unfolding.program.functions if is_predicate(f)]
+    pairs = zip(model.program.functions, unfolding.program.functions, strict=True)
+    kept = tuple(unfolded for opaque, unfolded in pairs if opaque is not unfolded)
     for function in kept:
-        names.add("derived", function.name)
-    return tuple(_axiom(f, unfolding, names) for f in kept)
+        names.add("derived", function.name, imported_name(function))
+    return tuple(_axiom(f, kept, unfolding, names) for f in kept)
 
 
-def _axiom(function: Function, model: Model, names: Names) -> Axiom:
+def _axiom(function: Function, kept: Sequence[Function], model: Model, names: Names) -> Axiom:
     functions = tuple(
-        _opaque(f) if is_predicate(f) and f is not function else f for f in model.program.functions
+        _opaque(f) if f in kept and f is not function else f for f in model.program.functions
     )
     inside = Model(replace(model.program, functions=functions), model.pool.level)
     inside.pool = model.pool

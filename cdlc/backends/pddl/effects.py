@@ -15,12 +15,14 @@ from crow.program import (
     Compare,
     Constant,
     Expression,
+    Or,
     Parameter,
+    Quantified,
     Read,
     Variable,
 )
 from crow.program.triples import Update
-from crow.program.types import is_boolean, is_object
+from crow.program.types import is_boolean, is_number, is_object
 
 
 def effects(
@@ -84,13 +86,15 @@ class _Writer:
         else:
             guard = self.known.simplified(effective_guard(update, post, self.executor))
             written = self._number(update, guard, cell, inner)
-        for when, effect, more in written:
+        for clause in written:
+            # Numbers change once, however many objects there are to say so.
+            when, effect, more = clause if is_number(type_) or not bound else _opened(clause)
             scope = inner.with_variables(more)
             lowered = condition(when, scope)
             if lowered != NEVER:
-                clause: SExpr = effect if lowered == ALWAYS else ("when", lowered, effect)
+                made: SExpr = effect if lowered == ALWAYS else ("when", lowered, effect)
                 named = [(scope.variables[v.name], v.type) for v in (*bound, *more)]
-                yield ("forall", typed(named, scope.names), clause) if named else clause
+                yield ("forall", typed(named, scope.names), made) if named else made
 
     def _guard(self, update: Update, post: tuple[Update, ...]) -> Expression:
         """The guard of an add: later updates that may add something else must not fire."""
@@ -190,6 +194,15 @@ _Clause = tuple[Expression, SExpr, tuple[Parameter, ...]]
 """When an effect fires, the effect, and further objects it is for."""
 
 
+def _opened(clause: _Clause) -> _Clause:
+    """An effect that fires where something exists, as one for all of them."""
+    match clause:
+        case Quantified(quantifier="exists", variables=variables, body=body), effect, more:
+            return _opened((body, effect, (*more, *variables)))
+        case _:
+            return clause
+
+
 def _is_change_of(cell: Read, value: Expression) -> bool:
     match value:
         case Arithmetic(operator="+" | "-", left=left, right=Constant()):
@@ -214,7 +227,24 @@ def _when_written(
     from_true = pool.given(update.value, (*known, cell))
     deletes = pool.conjunction((guard, pool.negation(from_true)))
     if from_false is from_true:
+        if (apart := _told_apart(known, from_true, pool)) is not None:
+            return apart
         return pool.conjunction((guard, from_true)), deletes
     # Where the cell is true and becomes false, the add must not fire: it would win.
     stays = pool.disjunction((pool.negation(cell), from_true))
     return pool.conjunction((guard, from_false, stays)), deletes
+
+
+def _told_apart(
+    known: tuple[Expression, ...], value: Expression, pool: Pool
+) -> tuple[Expression, Expression] | None:
+    """Add and delete of `value` where one of several writes fires, one of them if it is true.
+
+    Then the delete needs no negated test: where the value is true, the add wins. None elsewhere.
+    """
+    for part in known:
+        if isinstance(part, Or) and value in part.operands:
+            rest = [other for other in known if other is not part]
+            others = pool.disjunction(o for o in part.operands if o is not value)
+            return pool.conjunction((*rest, value)), pool.conjunction((*rest, others))
+    return None

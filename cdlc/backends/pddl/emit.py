@@ -8,7 +8,7 @@ from cdlc.backends.errors import NotInPddl
 from cdlc.backends.pddl.actions import Action, actions, normal_forms
 from cdlc.backends.pddl.axioms import (
     axioms,
-    is_predicate,
+    kept_predicates,
     opaque_model,
     opaque_triples,
     used_axioms,
@@ -127,22 +127,26 @@ def _smallest(
     problem: Problem | None,
     emission: Emission,
 ) -> PddlTask:
-    """The task with its derived functions unfolded, if that has an end and is wanted."""
+    """The task with its derived functions unfolded, if that has an end and is wanted; those that
+    were derived predicates in PDDL are so again.
+    """
     steps = {t.part.name: t.part for t in transitions}
     triples = [triple for t in transitions for triple in t.triples]
     if emission.enumerates:
         inside, made, stated = enumerated(model, triples, problem)
         return _task(inside, inside, made, steps, stated)
-    if not any(map(is_predicate, model.program.functions)):
-        return _task(model, model, triples, steps, problem)
-    if not emission.axioms:
+    every = kept_predicates(model.program, every=True)
+    kept = every if emission.axioms else kept_predicates(model.program, every=False)
+    while True:
+        opaque = opaque_model(model, kept) if kept else model
+        behaviors = [t.part.behavior for t in transitions]
+        some = tuple(opaque_triples(opaque, model, behaviors)) if kept else triples
         try:
-            return _task(model, model, triples, steps, problem)
+            return _task(opaque, model, some, steps, problem)
         except TooLarge:
-            pass
-    opaque = opaque_model(model)
-    kept = opaque_triples(opaque, model, [t.part.behavior for t in transitions])
-    return _task(opaque, model, tuple(kept), steps, problem)
+            if kept == every:
+                raise
+            kept = every
 
 
 def _task(

@@ -57,9 +57,9 @@ class Naming:
         return chosen
 
 
-def annotations(pddl: str, name: str) -> tuple[Annotation, ...]:
-    """`[[pddl="on-table"]]` for a name that was changed."""
-    if pddl == name:
+def annotations(pddl: str, name: str, *, always: bool = False) -> tuple[Annotation, ...]:
+    """`[[pddl="on-table"]]` for a name that was changed, or always."""
+    if pddl == name and not always:
         return ()
     key = Name("pddl", span=NOWHERE)
     return (Annotation(key, Literal(pddl, span=NOWHERE), span=NOWHERE),)

@@ -157,7 +157,8 @@ class Translation:
                 trees.declared(head.parameters),
                 primitive("bool"),
                 (syntax.Return(trees.formula(body), span=NOWHERE),),
-                annotations=annotations(head.name, called),
+                # Says that it was derived in PDDL, so that it is so again.
+                annotations=annotations(head.name, called, always=True),
                 span=NOWHERE,
             )
 
