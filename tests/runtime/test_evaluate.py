@@ -134,7 +134,8 @@ def value(text: str, state: State = STATE) -> Value:
 def test_values(text: str, expected: Value) -> None:
     found = value(text)
     assert found == expected
-    assert evaluate_shared(WORLD, STATE, expression_of(DOMAIN, text, OBJECTS), {}) == expected
+    expression = expression_of(DOMAIN, text, OBJECTS, value=True)
+    assert evaluate_shared(WORLD, STATE, expression, {}) == expected
     assert type(found) is type(expected)
 
 
