@@ -9,14 +9,17 @@ from crow.program import (
     Assign,
     Behavior,
     Call,
+    Compare,
+    Conditional,
     Do,
     Expression,
     Function,
     Program,
     Read,
     Statement,
+    Xor,
 )
-from crow.program.walk import expressions_of, statements_within, subexpressions
+from crow.program.walk import children, expressions_of, statements_within, subexpressions
 
 
 def body_of(behavior: Behavior) -> tuple[Statement, ...]:
@@ -94,21 +97,32 @@ def touched(program: Program, statements: tuple[Statement, ...]) -> Touched:
     return found
 
 
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    """What conditions name: features and functions that goals match, and what comparisons read."""
+
+    named: set[str] = field(default_factory=set)
+    compared: set[str] = field(default_factory=set)
+
+
 def applied_for(program: Program, conditions: Iterable[Expression]) -> tuple[Behavior, ...]:
     """The behaviors that plans for some conditions may apply, in source order; perhaps some more.
 
-    What a condition names decides: a behavior may be applied for it if its goal names the same, or
-    if it writes what the condition reads, as it may for a comparison (semantics.md §2).
+    Names decide: a behavior may be applied for a condition if its goal names the same, or, for a
+    comparison, if it writes what that reads (semantics.md §2).
     """
-    about = {b.name: _about(program, b) for b in program.behaviors}
+    writes = {b.name: _all_touched(program, b).writes for b in program.behaviors}
     reached: set[str] = set()
-    pending = [_named(program, conditions)]
+    pending = [_wanted(program, conditions)]
     while pending:
-        names = pending.pop()
+        wanted = pending.pop()
         for behavior in program.behaviors:
-            if behavior.name not in reached and not about[behavior.name].isdisjoint(names):
+            if behavior.name in reached or behavior.goal is None:
+                continue
+            goal = _wanted(program, (behavior.goal,), is_goal=True).named
+            if goal & wanted.named or writes[behavior.name] & wanted.compared:
                 reached.add(behavior.name)
-                pending.append(_named(program, achieved_in(program, body_of(behavior))))
+                pending.append(_wanted(program, achieved_in(program, body_of(behavior))))
     return tuple(b for b in program.behaviors if b.name in reached)
 
 
@@ -137,36 +151,30 @@ def disturbed(
     return changed.disturbs(Touched(touched(program, statements).reads))
 
 
-def _about(program: Program, behavior: Behavior) -> set[str]:
-    """What a behavior can be applied for: the names in its goal, and what it writes."""
-    if behavior.goal is None:
-        return set()
-    goal = {
-        part.feature if isinstance(part, Read) else part.function
-        for part in subexpressions(behavior.goal)
-        if isinstance(part, Read | Apply)
-    }
-    return goal | _all_touched(program, behavior).writes
-
-
 def _all_touched(program: Program, behavior: Behavior) -> Touched:
     return touched(program, (*body_of(behavior), *(behavior.effect or ())))
 
 
-def _named(program: Program, expressions: Iterable[Expression]) -> set[str]:
-    """Features and functions in expressions, derived functions unfolded."""
+def _wanted(
+    program: Program, expressions: Iterable[Expression], *, is_goal: bool = False
+) -> _Wanted:
+    """What expressions name; functions are unfolded, but in a goal."""
     functions = {f.name: f for f in program.functions}
-    names: set[str] = set()
-    pending = list(expressions)
+    found = _Wanted()
+    pending = [(expression, False) for expression in expressions]
     while pending:
-        for part in subexpressions(pending.pop()):
-            if isinstance(part, Read):
-                names.add(part.feature)
-            elif isinstance(part, Apply) and part.function not in names:
-                names.add(part.function)
-                function = functions[part.function]
-                reads = reads_of(function)
-                names |= {f.name for f in program.features} if "all" in reads else reads
-                for statement in statements_within(function.body or ()):
-                    pending += expressions_of(statement)
-    return names
+        node, is_compared = pending.pop()
+        is_compared = is_compared or isinstance(node, Compare | Xor | Conditional)
+        name = node.feature if isinstance(node, Read) else ""
+        if isinstance(node, Apply):
+            name = node.function
+            reads = reads_of(functions[name])
+            found.compared.update((f.name for f in program.features) if "all" in reads else reads)
+            if name not in found.named and not is_goal:
+                parts = functions[name].body or ()
+                pending += [(e, True) for s in statements_within(parts) for e in expressions_of(s)]
+        if name:
+            found.named.add(name)
+            found.compared.update((name,) if is_compared else ())
+        pending += [(c, is_compared) for c in children(node) if isinstance(c, Expression)]
+    return found

@@ -15,10 +15,11 @@ from cdlc.backends.pddl.names import Names, imported_name, variable_name
 from cdlc.backends.pddl.normal import NormalTriple, normal
 from cdlc.backends.pddl.parts import Part
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr
+from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model
 from cdlc.ir.pool import Pool
 from cdlc.ir.symbolic import Executor
-from crow.program import Expression, Object, Parameter, Program, Type, Variable
+from crow.program import Expression, Object, Parameter, Program, Read, Type, Variable
 from crow.program.triples import Triple, Update
 from crow.program.types import is_object
 
@@ -83,9 +84,12 @@ def actions(
     Raises NotPddl.
     """
     groups: list[list[_Ordered]] = []
-    index: dict[object, list[_Ordered]] = {}
+    alike: dict[object, dict[object, list[_Ordered]]] = {}
     for triple in transitions:
-        found = next((o for o in _orders(model, triple) if o.key in index), None)
+        # Orders are many, so they are tried only where there is something to be equal to.
+        index = alike.setdefault(_shape(triple), {})
+        orders = _orders(model, triple) if index else iter(())
+        found = next((o for o in orders if o.key in index), None)
         if found is not None:
             index[found.key].append(found)
         else:
@@ -141,6 +145,16 @@ def _orders(model: Model, charged: Charged) -> Iterator[_Ordered]:
     for other in permutations(others) if len(others) <= _MOST_ORDERED else [tuple(others)]:
         order = (*called, *other)
         yield _Ordered(charged, order, _key(model, charged, order))
+
+
+def _shape(charged: Charged) -> object:
+    """What equal triples share whatever the order of their variables."""
+    triple = charged.form.triple
+    calls = tuple(call.controller for call in triple.calls)
+    reads = frozenset(
+        part.feature for e in triple.pre for part in in_order(e) if isinstance(part, Read)
+    )
+    return (calls, reads, len(triple.pre), tuple(sorted(u.feature for u in triple.post)))
 
 
 def _variables(expressions: Iterable[Expression], pool: Pool) -> tuple[str, ...]:
