@@ -131,7 +131,11 @@ def _check_arguments(command: argparse.ArgumentParser) -> None:
 
 def _compile_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("files", nargs="+", metavar="FILE", help="DOMAIN [PROBLEM]")
-    command.add_argument("--emit", required=True, choices=("pddl", "ir", "hoare"))
+    command.add_argument(
+        "--emit", required=True, choices=("pddl", "hddl", "up", "ir", "hoare"),
+        help="PDDL; HDDL, for planners that decompose tasks; a problem of unified-planning;"
+        " the typed program as JSON; the Hoare model",
+    )  # fmt: skip
     command.add_argument(
         "--simplify",
         choices=("none", "basic", "full"),
@@ -247,30 +251,23 @@ def compile_(options: argparse.Namespace) -> int:
     """`cdlc compile`: a domain, and a problem if given, in another form."""
     if len(options.files) > 2:
         return _usage("compile takes DOMAIN [PROBLEM]")
-    is_json = options.format == "json"
-    if is_json and options.emit == "pddl":
-        return _usage("PDDL is text; --format json is for --emit hoare")
-    if options.explain and (is_json or options.emit != "hoare"):
-        return _usage("--explain is for --emit hoare as text; its JSON always says where from")
+    if (wrong := _unfit_options(options)) is not None:
+        return _usage(wrong)
     compilation = driver.compilation(options.files)
     compilation.axioms = options.derived == "axioms"
     compilation.enumerates = options.numeric == "enumerate"
-    if options.emit == "pddl" and not _with_functions(options, compilation):
+    if options.emit in ("pddl", "hddl", "up") and not _with_functions(options, compilation):
         return INPUT_ERRORS
     compilation.level = Level(options.simplify)
-    match options.emit:
-        case "pddl":
-            texts = {"domain.pddl": compilation.pddl.domain}
-            if compilation.pddl.problem is not None:
-                texts["problem.pddl"] = compilation.pddl.problem
-        case "ir":
-            texts = {"program.json": compilation.ir_text}
-        case _ if is_json:
-            texts = {"model.json": compilation.hoare_json}
-        case _ if options.explain:
-            texts = {"model.txt": compilation.hoare_explanation}
-        case _:
-            texts = {"model.hoare": compilation.hoare_text}
+    if options.emit == "up":
+        from cdlc.backends.up import UpMissing, require
+
+        try:
+            require()
+        except UpMissing as error:
+            print(f"error[{error.code}]: {error}", file=sys.stderr)
+            return INPUT_ERRORS
+    texts = _emitted(options, compilation)
     _warn(options, compilation)
     if options.strict and any(d.code in _STRICT for d in compilation.found):
         return INPUT_ERRORS
@@ -281,6 +278,44 @@ def compile_(options: argparse.Namespace) -> int:
 
         write_all({options.output / name: text for name, text in texts.items()})
     return DONE
+
+
+def _unfit_options(options: argparse.Namespace) -> str | None:
+    """What is wrong with the options of `compile` together."""
+    is_json = options.format == "json"
+    if is_json and options.emit not in ("ir", "hoare"):
+        return f"{options.emit} is text; --format json is for --emit hoare"
+    if options.explain and (is_json or options.emit != "hoare"):
+        return "--explain is for --emit hoare as text; its JSON always says where from"
+    if options.emit in ("hddl", "up") and options.derived == "axioms":
+        return f"{options.emit} has no derived predicates; --derived axioms is for --emit pddl"
+    if options.emit == "hddl" and options.numeric == "enumerate":
+        return "tasks of HDDL take no numbers; --numeric enumerate is for --emit pddl and up"
+    return None
+
+
+def _emitted(options: argparse.Namespace, compilation: driver.Compilation) -> dict[str, str]:
+    """The text of each file that `compile` is to write."""
+    match options.emit:
+        case "pddl":
+            return _with_problem("pddl", compilation.pddl.domain, compilation.pddl.problem)
+        case "hddl":
+            return _with_problem("hddl", compilation.hddl.domain, compilation.hddl.problem)
+        case "up":
+            return {"problem.txt": compilation.up_text}
+        case "ir":
+            return {"program.json": compilation.ir_text}
+        case _ if options.format == "json":
+            return {"model.json": compilation.hoare_json}
+        case _ if options.explain:
+            return {"model.txt": compilation.hoare_explanation}
+        case _:
+            return {"model.hoare": compilation.hoare_text}
+
+
+def _with_problem(kind: str, domain: str, problem: str | None) -> dict[str, str]:
+    texts = {f"domain.{kind}": domain}
+    return texts if problem is None else {**texts, f"problem.{kind}": problem}
 
 
 def plan(options: argparse.Namespace) -> int:
