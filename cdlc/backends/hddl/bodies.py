@@ -6,7 +6,7 @@ the condition. Any other is a subtask of its own, which can only be done where t
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from cdlc.backends.hddl.networks import Network, Subtask, beside, single
@@ -64,14 +64,17 @@ class Tasks(Protocol):
     def is_part(self, behavior: str) -> bool:
         """Whether all that a called behavior does is in its caller's action."""
 
+    def checking(
+        self, owner: "Body", parameters: tuple[Parameter, ...], condition: Expression
+    ) -> Task:
+        """A task that can only be done where a condition over some parameters holds."""
+
     def choosing(
         self, owner: "Body", parameters: tuple[Parameter, ...], blocks: Iterable[Block]
     ) -> Task:
         """A task that is done by going through one of some blocks."""
 
-    def looping(
-        self, owner: "Body", parameters: tuple[Parameter, ...], loop: ForEach
-    ) -> Task:
+    def looping(self, owner: "Body", parameters: tuple[Parameter, ...], loop: ForEach) -> Task:
         """A task that is done by going through a block for each object."""
 
     def steps(self, behavior: Behavior, node: Do) -> list[tuple[Action, Source]]:
@@ -177,23 +180,21 @@ class Body:
             return Network()
         if is_kept:
             return Network()
-        return self.choice(((Assert(value, location=value.location),),), own={})
+        used = free_variables(value)
+        parameters = tuple(p for p in self.parameters if p.name in used)
+        return self._helper(self.tasks.checking(self, parameters, value))
 
-    def choice(self, blocks: tuple[Block, ...], own: dict[str, Expression] | None = None) -> Network:
+    def choice(self, blocks: tuple[Block, ...]) -> Network:
         """A task of its own that goes through one of some blocks."""
-        parameters = self._outside(tuple(s for block in blocks for s in block), own)
-        inside = self if own is None else replace(self, values=own)
-        return self._helper(self.tasks.choosing(inside, parameters, blocks))
+        parameters = self._outside(tuple(s for block in blocks for s in block))
+        return self._helper(self.tasks.choosing(self, parameters, blocks))
 
-    def _outside(
-        self, block: Block, own: dict[str, Expression] | None = None
-    ) -> tuple[Parameter, ...]:
+    def _outside(self, block: Block) -> tuple[Parameter, ...]:
         """The parameters that a block depends on."""
-        values = self.values if own is None else own
         used: set[str] = set()
         for statement in statements_within(block):
             for expression in expressions_of(statement):
-                used |= free_variables(substitute(expression, values))
+                used |= free_variables(substitute(expression, self.values))
         return tuple(p for p in self.parameters if p.name in used)
 
     def _helper(self, task: Task) -> Network:
@@ -334,4 +335,3 @@ def used_parameters(body: Body, network: Network, kept: Iterable[str]) -> list[P
 def start_values(parameters: Iterable[Parameter]) -> dict[str, Expression]:
     """Parameters that stand for themselves."""
     return {p.name: Variable(p.name, p.type) for p in parameters}
-

@@ -6,6 +6,7 @@ one that follows each, in order of declaration, or say that there is none.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from cdlc.backends.pddl.conditions import type_name, typed
 from cdlc.backends.pddl.names import Names
@@ -38,7 +39,7 @@ class Chain:
             yield (self.empty,)
             return
         yield (self.first, objects[0])
-        for one, other in zip(objects, objects[1:], strict=False):
+        for one, other in pairwise(objects):
             yield (self.next, one, other)
         yield (self.last, objects[-1])
 

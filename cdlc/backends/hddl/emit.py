@@ -1,6 +1,6 @@
 """HDDL of a program and a problem, or diagnostics for what has none."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from cdlc.backends.hddl.bodies import Body
@@ -17,7 +17,7 @@ from cdlc.diagnostics import Collector
 from crow.conditions import Wanted
 from crow.matching import instances
 from crow.problem import Problem, World
-from crow.program import Achieve, And, Expression, Object, Or, Parameter, Quantified, Variable
+from crow.program import Achieve, And, Expression, Object, Or, Parameter, Quantified, Type, Variable
 from crow.program.rewrite import rewrite, substitute
 
 
@@ -38,6 +38,9 @@ def to_hddl(task: PddlTask, problem: Problem | None, found: Collector) -> HddlTa
         return None
     try:
         return _task(task, problem)
+    except RecursionError:
+        found.add(refused("a program nested this deeply", None))
+        return None
     except NotPddl as no_form:
         found.add(refused(no_form.construct, no_form.location, no_form.cure))
         return None
@@ -48,6 +51,7 @@ def _task(task: PddlTask, problem: Problem | None) -> HddlTask:
     tasks = ProgramTasks(task, world)
     tasks.add_all()
     goal = None if problem is None else _goal(problem, tasks)
+    tasks.finish()
     domain = _with_tasks(task.parts.domain, tasks)
     text = task.parts.heading + domain_text(domain)
     if problem is None or goal is None or task.parts.goal is None:
@@ -69,7 +73,7 @@ def _with_tasks(domain: Domain, tasks: ProgramTasks) -> Domain:
     names = domain.names
     texts = [task_text(task, names) for task in tasks.tasks]
     for task in tasks.tasks:
-        texts += [method_text(m, names) for m in tasks.methods if m.task is task]
+        texts += [method_text(m, names) for m in tasks.methods if m.head.task is task]
     chained = tuple(p for chain in tasks.chains.values() for p in chain.predicates(names))
     conditions = (*domain.conditions, *(m.precondition for m in tasks.methods))
     return replace(domain, tasks=tuple(texts), predicates=chained, conditions=conditions)
@@ -103,9 +107,7 @@ def _grounded(condition: Expression, wanted: Wanted, world: World) -> Expression
     """A condition in normal form, what has to hold for all objects written out."""
     match condition:
         case And(operands=operands) | Or(operands=operands):
-            return replace(
-                condition, operands=tuple(_grounded(o, wanted, world) for o in operands)
-            )
+            return replace(condition, operands=tuple(_grounded(o, wanted, world) for o in operands))
         case Quantified(quantifier="forall", variables=variables, body=body):
             types = {v.name: v.type for v in variables}
             parts = tuple(
@@ -117,7 +119,7 @@ def _grounded(condition: Expression, wanted: Wanted, world: World) -> Expression
             return condition
 
 
-def _objects(chosen: dict[str, object], types: dict[str, object]) -> dict[str, Expression]:
+def _objects(chosen: Mapping[str, object], types: Mapping[str, Type]) -> dict[str, Expression]:
     return {name: Object(str(o), types[name]) for name, o in chosen.items()}
 
 

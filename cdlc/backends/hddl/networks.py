@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import reduce
 
 from crow.program import Expression
 
@@ -25,28 +24,26 @@ class Network:
     def then(self, other: "Network") -> "Network":
         """All of this before all of the other."""
         size = len(self.subtasks)
-        links = {(i, size + j) for i in self._ends() for j in other._starts()}
-        return Network((*self.subtasks, *other.subtasks), self.order | other._moved(size) | links)
-
-    def beside(self, other: "Network") -> "Network":
-        """This and the other, in no order."""
-        order = self.order | other._moved(len(self.subtasks))
-        return Network((*self.subtasks, *other.subtasks), order)
+        links = {(i, size + j) for i in self.ends() for j in other.starts()}
+        return Network((*self.subtasks, *other.subtasks), self.order | other.moved(size) | links)
 
     @property
     def is_sequence(self) -> bool:
         """Whether each subtask but the first comes right after the one that stands before it."""
         return all((i, i + 1) in self.order for i in range(len(self.subtasks) - 1))
 
-    def _ends(self) -> list[int]:
+    def ends(self) -> list[int]:
+        """The places of subtasks that nothing comes after."""
         followed = {first for first, _ in self.order}
         return [i for i in range(len(self.subtasks)) if i not in followed]
 
-    def _starts(self) -> list[int]:
+    def starts(self) -> list[int]:
+        """The places of subtasks that nothing comes before."""
         following = {second for _, second in self.order}
         return [i for i in range(len(self.subtasks)) if i not in following]
 
-    def _moved(self, by: int) -> frozenset[tuple[int, int]]:
+    def moved(self, by: int) -> frozenset[tuple[int, int]]:
+        """The order of the same subtasks behind some others."""
         return frozenset((first + by, second + by) for first, second in self.order)
 
 
@@ -57,4 +54,9 @@ def single(subtask: Subtask) -> Network:
 
 def beside(networks: Iterable[Network]) -> Network:
     """Several networks in no order."""
-    return reduce(Network.beside, networks, Network())
+    subtasks: list[Subtask] = []
+    order: set[tuple[int, int]] = set()
+    for network in networks:
+        order |= network.moved(len(subtasks))
+        subtasks += network.subtasks
+    return Network(tuple(subtasks), frozenset(order))

@@ -25,12 +25,12 @@ def task_text(task: Task, names: Names) -> str:
 def method_text(method: Method, names: Names) -> str:
     """A method; without subtasks it says nothing of any."""
     written = {name: f"?{variable}" for name, variable in method.variables.items()}
-    declared: list[tuple[str, Type]] = [(written[p.name], p.type) for p in method.parameters]
-    arguments = (written[name] for name in method.arguments)
+    declared: list[tuple[str, Type]] = [(written[p.name], p.type) for p in method.head.parameters]
+    arguments = (written[name] for name in method.head.arguments)
     lines = [
-        f"(:method {method.name}  ; {method.comment}",
+        f"(:method {method.name}  ; {method.head.comment}",
         f"  :parameters {printed(typed(declared, names))}",
-        f"  :task {printed((method.task.name, *arguments))}",
+        f"  :task {printed((method.head.task.name, *arguments))}",
     ]
     if method.precondition != ALWAYS:
         lines.append(f"  :precondition {clauses(conjuncts(method.precondition))}")

@@ -7,6 +7,7 @@ promotable section it is decided where the section starts.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice, product
+from typing import TypeVar
 
 from cdlc.backends.hddl.forms import Form, literals, oriented
 from cdlc.backends.pddl.sexpr import NotPddl
@@ -85,7 +86,7 @@ def ways_through(block: Block, rules: Rules, owner: Behavior | None) -> list[Blo
 
 
 def _limited(found: Iterator[Block], owner: Behavior | None) -> list[Block]:
-    ways = list(islice(found, MOST_WAYS + 1))
+    ways = _some(found)
     if len(ways) > MOST_WAYS:
         location = None if owner is None else owner.location
         raise NotPddl(f"a body with more than {MOST_WAYS} choices", location)
@@ -93,15 +94,19 @@ def _limited(found: Iterator[Block], owner: Behavior | None) -> list[Block]:
 
 
 def _block(block: Block, rules: Rules, *, has_acted: bool) -> Iterator[Block]:
-    if not block:
-        yield ()
-        return
-    first, *rest = block
-    for way in _statement(first, rules, has_acted=has_acted):
-        yield from (
-            (*way, *others)
-            for others in _block(tuple(rest), rules, has_acted=has_acted or acts(first))
-        )
+    each: list[list[Block]] = []
+    for statement in block:
+        each.append(_some(_statement(statement, rules, has_acted=has_acted)))
+        has_acted = has_acted or acts(statement)
+    return (tuple(s for way in chosen for s in way) for chosen in product(*each))
+
+
+_T = TypeVar("_T")
+
+
+def _some(ways: Iterator[_T]) -> list[_T]:
+    """As many ways as may be, and one too many."""
+    return list(islice(ways, MOST_WAYS + 1))
 
 
 def _statement(node: Statement, rules: Rules, *, has_acted: bool) -> Iterator[Block]:
@@ -114,7 +119,7 @@ def _statement(node: Statement, rules: Rules, *, has_acted: bool) -> Iterator[Bl
         case Group(order="unordered", body=body):
             acting = [sum(map(acts, body)) > acts(s) for s in body]
             each = [
-                [_sequence(way) for way in _statement(s, rules, has_acted=has_acted or others)]
+                [_sequence(w) for w in _some(_statement(s, rules, has_acted=has_acted or others))]
                 for s, others in zip(body, acting, strict=True)
             ]
             yield from ((replace(node, body=inner),) for inner in product(*each))
@@ -137,7 +142,7 @@ def _statement(node: Statement, rules: Rules, *, has_acted: bool) -> Iterator[Bl
 
 def _members(members: Block, rules: Rules) -> Iterator[tuple[Block, Block]]:
     """The ways through members of a promotable section, after what they demand at its start."""
-    each = [list(_member(member, rules)) for member in members]
+    each = [_some(_member(member, rules)) for member in members]
     for chosen in product(*each):
         yield tuple(c for early, _ in chosen for c in early), tuple(s for _, s in chosen)
 
