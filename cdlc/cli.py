@@ -132,7 +132,9 @@ def _check_arguments(command: argparse.ArgumentParser) -> None:
 def _compile_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("files", nargs="+", metavar="FILE", help="DOMAIN [PROBLEM]")
     command.add_argument(
-        "--emit", required=True, choices=("pddl", "hddl", "up", "ir", "hoare"),
+        "--emit",
+        required=True,
+        choices=("pddl", "hddl", "up", "ir", "hoare"),
         help="PDDL; HDDL, for planners that decompose tasks; a problem of unified-planning;"
         " the typed program as JSON; the Hoare model",
     )  # fmt: skip
@@ -259,14 +261,8 @@ def compile_(options: argparse.Namespace) -> int:
     if options.emit in ("pddl", "hddl", "up") and not _with_functions(options, compilation):
         return INPUT_ERRORS
     compilation.level = Level(options.simplify)
-    if options.emit == "up":
-        from cdlc.backends.up import UpMissing, require
-
-        try:
-            require()
-        except UpMissing as error:
-            print(f"error[{error.code}]: {error}", file=sys.stderr)
-            return INPUT_ERRORS
+    if options.emit == "up" and not _has_up():
+        return INPUT_ERRORS
     texts = _emitted(options, compilation)
     _warn(options, compilation)
     if options.strict and any(d.code in _STRICT for d in compilation.found):
@@ -278,6 +274,18 @@ def compile_(options: argparse.Namespace) -> int:
 
         write_all({options.output / name: text for name, text in texts.items()})
     return DONE
+
+
+def _has_up() -> bool:
+    """Whether unified-planning is installed; False, with a message, if not."""
+    from cdlc.backends.up import UpMissing, require
+
+    try:
+        require()
+    except UpMissing as error:
+        print(f"error[{error.code}]: {error}", file=sys.stderr)
+        return False
+    return True
 
 
 def _unfit_options(options: argparse.Namespace) -> str | None:

@@ -70,9 +70,13 @@ class Tasks(Protocol):
         """A task that can only be done where a condition over some parameters holds."""
 
     def choosing(
-        self, owner: "Body", parameters: tuple[Parameter, ...], blocks: Iterable[Block]
+        self,
+        owner: "Body",
+        parameters: tuple[Parameter, ...],
+        node: Statement,
+        blocks: Iterable[Block],
     ) -> Task:
-        """A task that is done by going through one of some blocks."""
+        """A task that is done by going through one of some blocks, those of a statement."""
 
     def looping(self, owner: "Body", parameters: tuple[Parameter, ...], loop: ForEach) -> Task:
         """A task that is done by going through a block for each object."""
@@ -148,7 +152,7 @@ class Body:
             case If() | ForEach() if is_kept and not self._acts(node):
                 return Network()  # it only demands, and the action does so, too
             case If():
-                return self.choice(tuple((c, *block) for c, block in branches(node)))
+                return self.choice(node, tuple((c, *block) for c, block in branches(node)))
             case ForEach():
                 parameters = self._outside((node,))
                 return self._helper(self.tasks.looping(self, parameters, node))
@@ -184,10 +188,10 @@ class Body:
         parameters = tuple(p for p in self.parameters if p.name in used)
         return self._helper(self.tasks.checking(self, parameters, value))
 
-    def choice(self, blocks: tuple[Block, ...]) -> Network:
-        """A task of its own that goes through one of some blocks."""
-        parameters = self._outside(tuple(s for block in blocks for s in block))
-        return self._helper(self.tasks.choosing(self, parameters, blocks))
+    def choice(self, node: Statement, blocks: tuple[Block, ...]) -> Network:
+        """A task of its own that goes through one of some blocks, those of a statement."""
+        parameters = self._outside((node,))
+        return self._helper(self.tasks.choosing(self, parameters, node, blocks))
 
     def _outside(self, block: Block) -> tuple[Parameter, ...]:
         """The parameters that a block depends on."""

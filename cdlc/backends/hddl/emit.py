@@ -8,7 +8,7 @@ from cdlc.backends.hddl.fit import refused, report_unfit
 from cdlc.backends.hddl.methods import ProgramTasks
 from cdlc.backends.hddl.networks import Network
 from cdlc.backends.hddl.text import method_text, problem_network, task_text
-from cdlc.backends.hddl.ways import Rules, ways_through
+from cdlc.backends.hddl.ways import ways_through
 from cdlc.backends.pddl import PddlTask
 from cdlc.backends.pddl.domain import Domain, domain_text
 from cdlc.backends.pddl.problems import problem_text
@@ -17,7 +17,7 @@ from cdlc.diagnostics import Collector
 from crow.conditions import Wanted
 from crow.matching import instances
 from crow.problem import Problem, World
-from crow.program import Achieve, And, Expression, Object, Or, Parameter, Quantified, Type, Variable
+from crow.program import Achieve, And, Expression, Object, Or, Parameter, Quantified, Variable
 from crow.program.rewrite import rewrite, substitute
 
 
@@ -96,11 +96,10 @@ def _goal(problem: Problem, tasks: ProgramTasks) -> Network:
     goal = Achieve(rewrite(grounded, _without_object), location=problem.goal.location)
     parameters = [Parameter(_stand_in(n), t) for n, t in problem.world.objects.items()]
     body = Body(tasks, None, "goal", parameters, {}, has_start=False)
-    rules = Rules(tasks.wanted, tasks.achieved, checks=False)
-    ways = ways_through((goal,), rules, None)
+    ways = ways_through((goal,), tasks.goal_rules(), problem.goal.location)
     if len(ways) == 1:
         return body.block(ways[0], has_acted=True, acts_after=True)
-    return body.choice(((goal,),))
+    return body.choice(goal, ((goal,),))
 
 
 def _grounded(condition: Expression, wanted: Wanted, world: World) -> Expression:
@@ -108,10 +107,9 @@ def _grounded(condition: Expression, wanted: Wanted, world: World) -> Expression
     match condition:
         case And(operands=operands) | Or(operands=operands):
             return replace(condition, operands=tuple(_grounded(o, wanted, world) for o in operands))
-        case Quantified(quantifier="forall", variables=variables, body=body):
-            types = {v.name: v.type for v in variables}
+        case Quantified(quantifier="forall", body=body):
             parts = tuple(
-                _grounded(substitute(body, _objects(chosen, types)), wanted, world)
+                _grounded(substitute(body, _objects(chosen, world)), wanted, world)
                 for chosen in instances(world, condition)
             )
             return And(parts, location=condition.location)
@@ -119,8 +117,8 @@ def _grounded(condition: Expression, wanted: Wanted, world: World) -> Expression
             return condition
 
 
-def _objects(chosen: Mapping[str, object], types: Mapping[str, Type]) -> dict[str, Expression]:
-    return {name: Object(str(o), types[name]) for name, o in chosen.items()}
+def _objects(chosen: Mapping[str, object], world: World) -> dict[str, Expression]:
+    return {name: Object(str(o), world.objects[str(o)]) for name, o in chosen.items()}
 
 
 def _without_object(node: Expression) -> Expression:

@@ -37,6 +37,7 @@ from crow.program import (
     ObjectType,
     Parameter,
     Read,
+    Statement,
     Type,
     Variable,
 )
@@ -85,6 +86,8 @@ class ProgramTasks:
         self._forms: dict[Form, Task] = {}
         self._called: dict[str, Task] = {}
         self._checks: dict[object, Task] = {}
+        # With the statements they are for, which are told apart by identity.
+        self._shared: dict[object, tuple[Task, Statement]] = {}
         self._parts: dict[str, int] = {}
         self._pending: deque[Callable[[], None]] = deque()
         bodies = [s for b in task.program.behaviors for s in (*b.body, *(b.effect or ()))]
@@ -96,16 +99,13 @@ class ProgramTasks:
         self._gone = {self.names.get("feature", name): name for name in gone}
 
     def add_all(self) -> None:
-        """Add the tasks of all goals, of behaviors without one, and of what these ask for."""
+        """Add the tasks of all goals, and of what their behaviors ask for."""
         for behavior in self._emitted.program.behaviors:
             if behavior.goal is not None:
                 literal = _goal(plain_goal(behavior.goal))
                 self._achieved.setdefault(literal.form, []).append((behavior, literal))
         for form in list(self._achieved):
             self._form(form)
-        for behavior in self._emitted.program.behaviors:
-            if behavior.goal is None:
-                self.running(behavior.name)
         self.finish()
 
     def finish(self) -> None:
@@ -113,10 +113,12 @@ class ProgramTasks:
         while self._pending:
             self._pending.popleft()()
 
-    @property
-    def achieved(self) -> frozenset[Form]:
-        """The forms that behaviors have for goals."""
-        return frozenset(self._achieved)
+    def goal_rules(self) -> Rules:
+        """How the goal of a problem is taken apart."""
+        return self._rules(checks=False)
+
+    def _rules(self, *, checks: bool) -> Rules:
+        return Rules(self.wanted, frozenset(self._achieved), self.is_static, checks)
 
     # -------------------------------------------------------------------------- what bodies ask
 
@@ -163,25 +165,38 @@ class ProgramTasks:
         """A task that can only be done where a condition over some parameters holds."""
         key = (owner.label, parameters, condition)
         if key not in self._checks:
-            self._checks[key] = task = self._part(owner, parameters)
+            task = self._part(owner, parameters, f"needs `{expression_text(condition)}`")
+            self._checks[key] = task
             head = Head(task.name, task, _names(parameters), parameters, "where this holds")
             self._add(head, [condition], Network())
         return self._checks[key]
 
     def choosing(
-        self, owner: Body, parameters: tuple[Parameter, ...], blocks: Iterable[Block]
+        self,
+        owner: Body,
+        parameters: tuple[Parameter, ...],
+        node: Statement,
+        blocks: Iterable[Block],
     ) -> Task:
-        """A task that is done by going through one of some blocks."""
-        task = self._part(owner, parameters)
-        for block in blocks:
-            self._through(owner, task, block, {})
-        return task
+        """A task that is done by going through one of some blocks, those of a statement."""
+        key = _key(owner, parameters, node)
+        if key not in self._shared:
+            self._shared[key] = (task := self._part(owner, parameters), node)
+            for block in blocks:
+                self._through(owner, task, block, {})
+        return self._shared[key][0]
 
     def looping(self, owner: Body, parameters: tuple[Parameter, ...], loop: ForEach) -> Task:
         """A task that is done by going through a block for each object, in any order.
 
         It goes from the first object of a type to the next: the block of one beside the rest.
         """
+        key = _key(owner, parameters, loop)
+        if key not in self._shared:
+            self._shared[key] = (self._loop(owner, parameters, loop), loop)
+        return self._shared[key][0]
+
+    def _loop(self, owner: Body, parameters: tuple[Parameter, ...], loop: ForEach) -> Task:
         variable, *others = loop.variables
         assert isinstance(variable.type, ObjectType)
         block: Block = loop.body
@@ -233,12 +248,14 @@ class ProgramTasks:
         self.tasks.append(task)
         return task
 
-    def _part(self, owner: Body, parameters: tuple[Parameter, ...]) -> Task:
+    def _part(
+        self, owner: Body, parameters: tuple[Parameter, ...], comment: str | None = None
+    ) -> Task:
         """A task for a part of a body."""
         number = self._parts[owner.label] = self._parts.get(owner.label, 0) + 1
         wanted = f"{owner.label}-part-{number}"
         name = self.names.add("task", f"{owner.label}'{number}", wanted)
-        return self._task(name, parameters, f"part of `{owner.label}`")
+        return self._task(name, parameters, comment or f"part of `{owner.label}`")
 
     def _form(self, form: Form) -> Task:
         """The task of a form; its methods follow when the tasks are finished."""
@@ -287,7 +304,7 @@ class ProgramTasks:
     def _behavior(self, behavior: Behavior, head: Head, equal: Sequence[Expression]) -> None:
         """A method for each way through a behavior's body, and each action it may end with."""
         has_action = behavior.effect is not None
-        rules = Rules(self.wanted, self.achieved, checks=not has_action)
+        rules = self._rules(checks=not has_action)
         own = [found for found in self._sources(behavior) if found[1].step is None]
         for way in ways_of(behavior, rules):
             for last in own if has_action else [None]:
@@ -310,13 +327,15 @@ class ProgramTasks:
         self, owner: Body, task: Task, block: Block, more: Mapping[str, Expression]
     ) -> None:
         """A method for each way through a block of a body."""
-        rules = Rules(self.wanted, self.achieved, checks=True)
+        # The goal of a problem is demanded in the end, anyway.
+        rules = self._rules(checks=owner.behavior is not None)
         names = _names(task.parameters)
         known = {
             n: v for n, v in owner.known.items() if isinstance(v, Variable) and v.name in names
         }
         head = Head(task.name, task, names, task.parameters, f"part of `{owner.label}`")
-        for way in ways_through(block, rules, owner.behavior):
+        location = None if owner.behavior is None else owner.behavior.location
+        for way in ways_through(block, rules, location):
             body = Body(
                 self,
                 owner.behavior,
@@ -387,6 +406,11 @@ def _goal(goal: Expression) -> Literal:
     if found is None:
         raise NotPddl(f"the goal `{expression_text(goal)}`", goal.location)
     return found
+
+
+def _key(owner: Body, parameters: tuple[Parameter, ...], node: Statement) -> object:
+    """What the tasks for a statement, which stands in several ways through a body, share."""
+    return (owner.label, parameters, id(node), tuple(owner.values.items()))
 
 
 def _names(parameters: Iterable[Parameter]) -> list[str]:

@@ -4,7 +4,7 @@ An `if` that stands after something that acts is kept: its condition is looked a
 promotable section it is decided where the section starts.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import islice, product
 from typing import TypeVar
@@ -30,6 +30,7 @@ from crow.program import (
     Group,
     If,
     Let,
+    Location,
     Not,
     Or,
     Quantified,
@@ -57,6 +58,7 @@ class Rules:
 
     wanted: Wanted
     forms: frozenset[Form]
+    is_static: Callable[[Expression], bool]
     checks: bool
 
 
@@ -77,18 +79,17 @@ def ways_of(behavior: Behavior, rules: Rules) -> list[Block]:
         for early, inner in _members(members, inside)
         for right in _block(behavior.right, rules, has_acted=has_acted or bool(members))
     )
-    return _limited(found, behavior)
+    return _limited(found, behavior.location)
 
 
-def ways_through(block: Block, rules: Rules, owner: Behavior | None) -> list[Block]:
+def ways_through(block: Block, rules: Rules, location: Location | None) -> list[Block]:
     """The ways through a block that is a task of its own. Raises NotPddl for too many."""
-    return _limited(_block(block, rules, has_acted=False), owner)
+    return _limited(_block(block, rules, has_acted=False), location)
 
 
-def _limited(found: Iterator[Block], owner: Behavior | None) -> list[Block]:
+def _limited(found: Iterator[Block], location: Location | None) -> list[Block]:
     ways = _some(found)
     if len(ways) > MOST_WAYS:
-        location = None if owner is None else owner.location
         raise NotPddl(f"a body with more than {MOST_WAYS} choices", location)
     return ways
 
@@ -132,9 +133,9 @@ def _statement(node: Statement, rules: Rules, *, has_acted: bool) -> Iterator[Bl
                 for number in range(node.start, node.stop, node.step)
             ]
             yield from _block(tuple(turns), rules, has_acted=has_acted)
-        case If() if not has_acted:
+        case If(condition=test) if not has_acted or rules.is_static(test):
             for condition, branch in branches(node):
-                for inner in _block(branch, rules, has_acted=False):
+                for inner in _block(branch, rules, has_acted=has_acted):
                     yield (condition, _sequence(inner))
         case _:
             yield (node,)
