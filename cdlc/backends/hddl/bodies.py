@@ -195,10 +195,11 @@ class Body:
 
     def _outside(self, block: Block) -> tuple[Parameter, ...]:
         """The parameters that a block depends on."""
-        used: set[str] = set()
-        for statement in statements_within(block):
-            for expression in expressions_of(statement):
-                used |= free_variables(substitute(expression, self.values))
+        names = frozenset[str]().union(
+            *(free_variables(e) for s in statements_within(block) for e in expressions_of(s))
+        )
+        values = (self.values[name] for name in names if name in self.values)
+        used = frozenset[str]().union(*map(free_variables, values))
         return tuple(p for p in self.parameters if p.name in used)
 
     def _helper(self, task: Task) -> Network:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from cdlc.backends.hddl.bodies import Body
+from cdlc.backends.hddl.bodies import Body, start_values
 from cdlc.backends.hddl.fit import refused, report_unfit
 from cdlc.backends.hddl.methods import ProgramTasks
 from cdlc.backends.hddl.networks import Network
@@ -95,7 +95,7 @@ def _goal(problem: Problem, tasks: ProgramTasks) -> Network:
     grounded = _grounded(tasks.wanted.normal(problem.goal), tasks.wanted, problem.world)
     goal = Achieve(rewrite(grounded, _without_object), location=problem.goal.location)
     parameters = [Parameter(_stand_in(n), t) for n, t in problem.world.objects.items()]
-    body = Body(tasks, None, "goal", parameters, {}, has_start=False)
+    body = Body(tasks, None, "goal", parameters, start_values(parameters), has_start=False)
     ways = ways_through((goal,), tasks.goal_rules(), problem.goal.location)
     if len(ways) == 1:
         return body.block(ways[0], has_acted=True, acts_after=True)

@@ -206,8 +206,8 @@ class ProgramTasks:
         one = Parameter(own, variable.type)
         inside = (*parameters, one)
         whole, rest, each = (self._part(owner, p) for p in (parameters, inside, inside))
-        self._through(owner, each, block, {variable.name: Variable(own, variable.type)})
         self._chain(variable.type, one, whole, rest, each)
+        self._through(owner, each, block, {variable.name: Variable(own, variable.type)})
         return whole
 
     def _chain(
@@ -306,6 +306,7 @@ class ProgramTasks:
         has_action = behavior.effect is not None
         rules = self._rules(checks=not has_action)
         own = [found for found in self._sources(behavior) if found[1].step is None]
+        names = _names(behavior.parameters)
         for way in ways_of(behavior, rules):
             for last in own if has_action else [None]:
                 body = Body(
@@ -313,7 +314,7 @@ class ProgramTasks:
                     behavior,
                     behavior.name,
                     list(head.parameters),
-                    start_values(head.parameters),
+                    start_values(p for p in head.parameters if p.name in names),
                     has_action=has_action,
                     conditions=list(equal),
                     known=start_values(behavior.parameters),
