@@ -36,7 +36,9 @@ def report_unfit(task: "PddlTask", found: Collector) -> None:
 
 def derived(task: "PddlTask", format_: str) -> NotInFormat:
     """The first derived predicate of a task that has some, as one that a format has not."""
-    function = next(f for f in task.program.functions if task.names.has("derived", f.name))
+    first = task.parts.domain.axioms[0].name
+    predicates = (f for f in task.program.functions if task.names.has("derived", f.name))
+    function = next(f for f in predicates if task.names.get("derived", f.name) == first)
     return NotInFormat(
         location=function.location or Location("", 1, 1, 1, 1),
         construct=f"`{function.name}`, a derived predicate that is too large unfolded,",
