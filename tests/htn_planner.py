@@ -23,17 +23,22 @@ answers = {}
 for name, (domain, problem) in json.load(sys.stdin).items():
     task = PDDLReader().parse_problem_string(domain, problem)
     with factory.OneshotPlanner(name="aries") as planner:
-        result = planner.solve(task, timeout=100)
+        result = planner.solve(task, timeout=float(sys.argv[1]))
     plan = None if result.plan is None else steps_of(result.plan.action_plan)
     answers[name] = [result.status.name, plan]
 print(json.dumps(answers))
 """
 
 
-def answers_of(tasks: Mapping[str, tuple[str, str]]) -> dict[str, tuple[str, Steps | None]]:
-    """For each task, by its name, what the planner says of it, and the steps of a plan."""
+def answers_of(
+    tasks: Mapping[str, tuple[str, str]], seconds: float = 100
+) -> dict[str, tuple[str, Steps | None]]:
+    """For each task, by its name, what the planner says of it, and the steps of a plan.
+
+    `seconds` is the time limit of one task.
+    """
     done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", SCRIPT],
+        [sys.executable, "-W", "ignore", "-c", SCRIPT, str(seconds)],
         input=json.dumps(tasks),
         capture_output=True,
         text=True,
