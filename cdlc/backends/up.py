@@ -36,7 +36,7 @@ def report_unfit(task: "PddlTask", found: Collector) -> None:
 
 def derived(task: "PddlTask", format_: str) -> NotInFormat:
     """The first derived predicate of a task that has some, as one that a format has not."""
-    first = task.parts.domain.axioms[0].name
+    first = task.sections.domain.axioms[0].name
     predicates = (f for f in task.program.functions if task.names.has("derived", f.name))
     function = next(f for f in predicates if task.names.get("derived", f.name) == first)
     return NotInFormat(

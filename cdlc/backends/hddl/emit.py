@@ -52,16 +52,16 @@ def _task(task: PddlTask, problem: Problem | None) -> HddlTask:
     tasks.add_all()
     goal = None if problem is None else _goal(problem, tasks)
     tasks.finish()
-    domain = _with_tasks(task.parts.domain, tasks)
-    text = task.parts.heading + domain_text(domain)
-    if problem is None or goal is None or task.parts.goal is None:
+    domain = _with_tasks(task.sections.domain, tasks)
+    text = task.sections.heading + domain_text(domain)
+    if problem is None or goal is None or task.sections.goal is None:
         return HddlTask(task, text, None)
     objects = {_stand_in(n): task.names.get("object", n) for n in world.objects}
-    stated = task.parts.problem_heading + problem_text(
+    stated = task.sections.problem_heading + problem_text(
         problem,
-        task.parts.goal,
+        task.sections.goal,
         domain,
-        task.parts.metric,
+        task.sections.metric,
         _chained(tasks, world),
         problem_network(goal, objects, task.names),
     )

@@ -16,7 +16,7 @@ def report_unfit(task: PddlTask, found: Collector) -> None:
     """Report derived predicates, numbers that are more than costs, and values as parameters."""
     if task.has_axioms:
         found.add(derived(task, FORMAT))
-    for feature in task.parts.domain.features:
+    for feature in task.sections.domain.features:
         if is_number(feature.type):
             found.add(refused(f"`{feature.name}`, a number,", feature.location))
     for owner, parameter in _values(task):
@@ -37,6 +37,8 @@ def refused(construct: str, location: Location | None, cure: str | None = None) 
 def _values(task: PddlTask) -> Iterator[tuple[str, Parameter]]:
     """The parameters of behaviors that are no objects."""
     for behavior in task.program.behaviors:
+        if "'" in behavior.name:
+            continue  # the effect of another one alone
         for parameter in behavior.parameters:
             if not is_object(parameter.type):
                 yield behavior.name, parameter

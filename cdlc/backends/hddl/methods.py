@@ -94,7 +94,7 @@ class ProgramTasks:
         bodies += [s for c in task.program.controllers for s in c.effect or ()]
         self._written = {s.feature for s in statements_within(bodies) if isinstance(s, Assign)}
         self._called_names = {s.behavior for s in statements_within(bodies) if isinstance(s, Call)}
-        kept = {f.name for f in task.parts.domain.features}
+        kept = {f.name for f in task.sections.domain.features}
         gone = [f.name for f in task.program.features if f.name not in kept]
         self._gone = {self.names.get("feature", name): name for name in gone}
 
@@ -232,7 +232,7 @@ class ProgramTasks:
         return [
             (action, source)
             for action, source in self._sources(behavior)
-            if source.step is not None and source.step.behavior.location == node.location
+            if source.part.behavior.location == node.location
         ]
 
     def _sources(self, behavior: Behavior) -> Iterator[tuple[Action, Source]]:
@@ -305,7 +305,11 @@ class ProgramTasks:
         """A method for each way through a behavior's body, and each action it may end with."""
         has_action = behavior.effect is not None
         rules = self._rules(checks=not has_action)
-        own = [found for found in self._sources(behavior) if found[1].step is None]
+        own = list(self._sources(behavior)) if has_action else []
+        for _, source in own:
+            if source.part.needs is not None or source.part.gives is not None:
+                construct = f"`{behavior.name}`, which achieves something after it has acted,"
+                raise NotPddl(construct, behavior.location, _ONE_PHASE)
         names = _names(behavior.parameters)
         for way in ways_of(behavior, rules):
             for last in own if has_action else [None]:
@@ -388,7 +392,7 @@ class ProgramTasks:
         parameters: Sequence[Parameter],
         variables: Mapping[str, str],
     ) -> SExpr:
-        model = self._emitted.parts.model
+        model = self._emitted.sections.model
         try:
             formulas = [plain(model.formula(c, parameters), model.pool) for c in conditions]
         except NotModelled as refused:
@@ -400,6 +404,9 @@ class ProgramTasks:
         if gone is not None:
             raise NotPddl(f"`{gone}`, a number,", self.world.features[gone].location)
         return formula
+
+
+_ONE_PHASE = "move the `achieve` before the first `do`, or what follows to another behavior"
 
 
 def _goal(goal: Expression) -> Literal:

@@ -34,7 +34,7 @@ from crow.program.triples import Triple
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
+class Sections:
     """What the texts of a task are made of; `goal` and `metric` are those of the problem."""
 
     model: Model
@@ -57,7 +57,7 @@ class PddlTask:
     names: Names
     domain: str
     problem: str | None
-    parts: Parts
+    sections: Sections
     is_hopeless: bool = False
     has_axioms: bool = False
 
@@ -190,12 +190,12 @@ def _task(
     heading = _heading("domain", program.name) + _renamings(renamed) + _scaling(costs)
     text = heading + domain_text(domain)
     if problem is None or goal is None:
-        parts = Parts(model, domain, heading, None, None)
-        return PddlTask(program, made, names, text, None, parts, has_axioms=bool(used))
+        made_of = Sections(model, domain, heading, None, None)
+        return PddlTask(program, made, names, text, None, made_of, has_axioms=bool(used))
     own = _heading("problem", problem.name) + _renamings(names.changed()[len(renamed) :])
-    parts = Parts(model, domain, heading, goal, metric, own)
+    made_of = Sections(model, domain, heading, goal, metric, own)
     stated = own + problem_text(problem, goal, domain, metric)
-    return PddlTask(program, made, names, text, stated, parts, goal == NEVER, bool(used))
+    return PddlTask(program, made, names, text, stated, made_of, goal == NEVER, bool(used))
 
 
 def _names(program: Program) -> Names:

@@ -262,6 +262,19 @@ REFUSED = {
             " of its own, has no HDDL"
         ),
     ),
+    "phases": (
+        """
+    behavior fill(x: box, y: box):
+      goal: full(x)
+      body:
+        do tip(x)
+        achieve open(y)
+        do tip(y)
+      eff:
+        full[x] = True
+    """,
+        "`fill`, which achieves something after it has acted, has no HDDL",
+    ),
     "a number": (
         "    feature size(x: box) -> int64\n",
         "`size`, a number, has no HDDL",
@@ -311,7 +324,7 @@ def test_what_has_no_hddl_is_refused_with_its_place(case: str) -> None:
     more, message = REFUSED[case]
     task, found = hddl_of(BOXES + more)
     assert task is None
-    (diagnostic,) = found
+    (diagnostic,) = [d for d in found if d.severity == "error"]
     assert (diagnostic.code, diagnostic.message()) == ("not-in-format", message)
     assert diagnostic.location.line > BOXES.count("\n")
     assert diagnostic.help()
