@@ -22,8 +22,12 @@ get_environment().credits_stream = None
 answers = {}
 for name, (domain, problem) in json.load(sys.stdin).items():
     task = PDDLReader().parse_problem_string(domain, problem)
-    with factory.OneshotPlanner(name="aries") as planner:
-        result = planner.solve(task, timeout=float(sys.argv[1]))
+    try:
+        with factory.OneshotPlanner(name="aries") as planner:
+            result = planner.solve(task, timeout=float(sys.argv[1]))
+    except Exception as error:  # its server is gone
+        answers[name] = [f"CRASHED: {type(error).__name__}", None]
+        continue
     plan = None if result.plan is None else steps_of(result.plan.action_plan)
     answers[name] = [result.status.name, plan]
 print(json.dumps(answers))
