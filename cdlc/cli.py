@@ -278,14 +278,11 @@ def compile_(options: argparse.Namespace) -> int:
 
 def _has_up() -> bool:
     """Whether unified-planning is installed; False, with a message, if not."""
-    from cdlc.backends.up import UpMissing, require
+    from cdlc.backends.up import missing
 
-    try:
-        require()
-    except UpMissing as error:
+    if (error := missing()) is not None:
         print(f"error[{error.code}]: {error}", file=sys.stderr)
-        return False
-    return True
+    return error is None
 
 
 def _unfit_options(options: argparse.Namespace) -> str | None:

@@ -22,10 +22,9 @@ class UpMissing(Exception):  # noqa: N818 - as EngineMissing
         return 'unified-planning is not installed: pip install "cdlc[planners]"'
 
 
-def require() -> None:
-    """Raise UpMissing if unified-planning cannot be imported; imports nothing."""
-    if find_spec("unified_planning") is None:
-        raise UpMissing
+def missing() -> UpMissing | None:
+    """What to say if unified-planning cannot be imported; imports nothing."""
+    return UpMissing() if find_spec("unified_planning") is None else None
 
 
 def report_unfit(task: "PddlTask", found: Collector) -> None:
