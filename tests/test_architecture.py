@@ -75,6 +75,7 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     "cdlc.engines": ("cdlc.backends",),
     "cdlc.driver": ("cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
     "cdlc.library": ("cdlc.driver", "cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
+    "cdlc.commands": ("cdlc",),
     "cdlc.cli": ("cdlc",),
     "cdlc": ("cdlc",),
     "crow": (),

@@ -1,0 +1,167 @@
+"""Commands about programs: check, compile, verify, fmt, import, explain."""
+
+import argparse
+import sys
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from cdlc import driver, render
+from cdlc.commands.shared import (
+    DONE,
+    INPUT_ERRORS,
+    LIMIT,
+    print_json,
+    report,
+    usage,
+    warn,
+    with_functions,
+)
+from cdlc.diagnostics import Collector
+from cdlc.ir.nodes import Level
+
+if TYPE_CHECKING:
+    from cdlc.source import SourceFile
+
+# What `--strict` takes for an error: planners would see less, or more steps, than the program.
+_STRICT = {"split-behavior", "unmodelled-controller"}
+
+
+def check(options: argparse.Namespace) -> int:
+    """`cdlc check`: every mistake in every file, in one go."""
+    found = Collector()
+    sources: dict[str, SourceFile] = {}
+    for file in options.files:
+        compilation = driver.compilation([file], found)
+        compilation.files.sources.update(sources)
+        with suppress(driver.CompileError):  # its diagnostics are in `found`
+            _ = compilation.checked
+        sources |= compilation.sources
+    diagnostics = found.sorted()
+    if options.format == "json":
+        print_json(render.as_json(diagnostics))
+    elif diagnostics:
+        report(options, diagnostics, sources)
+        print(render.summary(diagnostics), file=sys.stderr)
+    is_strict = options.warnings == "error" and diagnostics
+    return INPUT_ERRORS if found.has_errors or is_strict else DONE
+
+
+def compile_(options: argparse.Namespace) -> int:
+    """`cdlc compile`: a domain, and a problem if given, in another form."""
+    if len(options.files) > 2:
+        return usage("compile takes DOMAIN [PROBLEM]")
+    is_json = options.format == "json"
+    if is_json and options.emit == "pddl":
+        return usage("PDDL is text; --format json is for --emit hoare")
+    if options.explain and (is_json or options.emit != "hoare"):
+        return usage("--explain is for --emit hoare as text; its JSON always says where from")
+    compilation = driver.compilation(options.files)
+    compilation.axioms = options.derived == "axioms"
+    compilation.enumerates = options.numeric == "enumerate"
+    if options.emit == "pddl" and not with_functions(options, compilation):
+        return INPUT_ERRORS
+    compilation.level = Level(options.simplify)
+    match options.emit:
+        case "pddl":
+            texts = {"domain.pddl": compilation.pddl.domain}
+            if compilation.pddl.problem is not None:
+                texts["problem.pddl"] = compilation.pddl.problem
+        case "ir":
+            texts = {"program.json": compilation.ir_text}
+        case _ if is_json:
+            texts = {"model.json": compilation.hoare_json}
+        case _ if options.explain:
+            texts = {"model.txt": compilation.hoare_explanation}
+        case _:
+            texts = {"model.hoare": compilation.hoare_text}
+    warn(options, compilation)
+    if options.strict and any(d.code in _STRICT for d in compilation.found):
+        return INPUT_ERRORS
+    if options.output is None:
+        print("\n".join(texts.values()), end="")
+    else:
+        from cdlc.output import write_all
+
+        write_all({options.output / name: text for name, text in texts.items()})
+    return DONE
+
+
+def verify(options: argparse.Namespace) -> int:
+    """`cdlc verify`: what behaviors claim, proved or refuted with a state where it fails."""
+    from cdlc.verify.errors import SolverMissing
+    from cdlc.verify.run import TIME_LIMIT, require
+    from cdlc.verify.run import verify as run
+
+    try:
+        require()
+    except SolverMissing as error:
+        print(f"error[{error.code}]: {error}", file=sys.stderr)
+        return INPUT_ERRORS
+    from cdlc.verify import text
+    from cdlc.verify.results import Verdict, document, worst
+
+    is_json = options.format == "json"
+    reports = []
+    compilations = [driver.compilation([file]) for file in options.files]
+    for file, compilation in zip(options.files, compilations, strict=True):
+        program = compilation.program
+        # What the lint suspects is proved or refuted here.
+        warn(options, compilation, but="goal-not-established")
+        report = run(file, program, options.time_limit or TIME_LIMIT)
+        reports.append(report)
+        if not is_json:
+            color = render.wants_color(sys.stdout)
+            print(text.report_text(report, compilation.sources, color=color), flush=True)
+    if is_json:
+        print_json(document(tuple(reports)))
+    else:
+        print(text.summary(tuple(reports)), file=sys.stderr)
+    verdict = worst(report.verdict for report in reports)
+    return {Verdict.PROVED: DONE, Verdict.REFUTED: INPUT_ERRORS, Verdict.UNKNOWN: LIMIT}[verdict]
+
+
+def fmt(options: argparse.Namespace) -> int:
+    """`cdlc fmt`: files in canonical layout; with `--check`, what would change."""
+    from cdlc.fmt import Outcome, format_files
+
+    results = format_files(options.files, driver.read_standard_input, check=options.check)
+    for result in results:
+        report(options, result.diagnostics, result.sources)
+        if options.check:
+            print(result.diff, end="")
+        elif result.name == "-" and result.text is not None:
+            print(result.text, end="")
+    outcomes = {result.outcome for result in results}
+    differs = options.check and Outcome.CHANGED in outcomes
+    return INPUT_ERRORS if differs or Outcome.INVALID in outcomes else DONE
+
+
+def import_(options: argparse.Namespace) -> int:
+    """`cdlc import`: a PDDL domain, and a problem of it, as CDL files."""
+    from cdlc.importing import import_pddl
+    from cdlc.output import write_all
+
+    imported = import_pddl(options.domain, options.problem, driver.read_standard_input)
+    report(options, imported.diagnostics, imported.sources)
+    if not imported.texts:
+        return INPUT_ERRORS
+    write_all({options.output / name: text for name, text in imported.texts.items()})
+    return DONE
+
+
+def explain(options: argparse.Namespace) -> int:
+    """`cdlc explain`: the page of a diagnostic's code."""
+    from cdlc.explain import explain as page_of
+    from cdlc.explain import similar
+
+    page = page_of(options.code)
+    if page is None:
+        near = similar(options.code)
+        hint = "" if near is None else f"; did you mean `{near}`?"
+        print(
+            f"error[unknown-code]: no diagnostic has the code `{options.code}`{hint}",
+            file=sys.stderr,
+        )
+        return INPUT_ERRORS
+    print(page, end="")
+    return DONE
