@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cdlc import driver
+from cdlc.commands.crosscheck import crosscheck
 from cdlc.commands.planning import engines, plan, simulate, validate
 from cdlc.commands.programs import check, compile_, explain, fmt, import_, verify
 from cdlc.commands.shared import INPUT_ERRORS, INTERRUPTED, report
@@ -65,6 +66,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     _format(simulator)
     _functions(simulator)
+    _crosscheck_arguments(
+        _command(commands, "crosscheck", crosscheck, "compare a program with its PDDL on problems")
+    )
     importer = _command(commands, "import", import_, "translate PDDL into CDL")
     importer.add_argument("domain", metavar="DOMAIN.pddl")
     importer.add_argument("problem", metavar="PROBLEM.pddl", nargs="?")
@@ -187,6 +191,28 @@ def _verify_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--time-limit", type=_positive(float), metavar="S", help="seconds for each check"
     )
+    _format(command)
+
+
+def _crosscheck_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("files", nargs="+", metavar="FILE", help="[DOMAIN] PROBLEM...")
+    command.add_argument(
+        "--engine", metavar="NAME",
+        help="a PDDL engine; default: kairos for numbers, else fast-downward",
+    )  # fmt: skip
+    command.add_argument(
+        "--time-limit", type=_positive(float), default=30.0, metavar="S",
+        help="seconds for each side of each problem; default: %(default)g",
+    )  # fmt: skip
+    command.add_argument(
+        "--node-limit", type=_positive(int), metavar="N", help="nodes of the program's search"
+    )
+    _functions(command)
+    _derived(command)
+    command.add_argument(
+        "--out", type=Path, default=Path(), metavar="DIR",
+        help="where mismatches leave a folder crosscheck-PROBLEM; default: here",
+    )  # fmt: skip
     _format(command)
 
 

@@ -75,6 +75,13 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     "cdlc.engines": ("cdlc.backends",),
     "cdlc.driver": ("cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
     "cdlc.library": ("cdlc.driver", "cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
+    "cdlc.crosscheck": (
+        "cdlc.crosscheck",
+        "cdlc.driver",
+        "cdlc.backends",
+        "cdlc.ir",
+        "cdlc.output",
+    ),
     "cdlc.commands": ("cdlc",),
     "cdlc.cli": ("cdlc",),
     "cdlc": ("cdlc",),

@@ -2,5 +2,6 @@
 
 programs    check, compile, verify, fmt, import, explain
 planning    plan, validate, simulate, engines
+crosscheck  crosscheck
 shared      exit statuses, diagnostics, what several of them need
 """
