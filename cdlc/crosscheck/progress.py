@@ -3,7 +3,10 @@
 import os
 from typing import TextIO
 
+from cdlc.render import terminal_width
+
 _CELLS = 20
+_WIDEST = 100
 _CLEAR = "\r\033[K"
 
 
@@ -22,15 +25,10 @@ class Progress:
             cells = _CELLS * self.done // max(1, self.total)
             bar = "#" * cells + "." * (_CELLS - cells)
             line = f"[{bar}] {self.done}/{self.total} {file}: {stage}"
-            self.stream.write(_CLEAR + line[: self._width()])
+            # A line that wraps could not be written over.
+            width = min(_WIDEST, terminal_width(self.stream)) - 1
+            self.stream.write(_CLEAR + line[:width])
             self.stream.flush()
-
-    def _width(self) -> int:
-        """A line that wraps could not be written over."""
-        try:
-            return max(1, os.get_terminal_size(self.stream.fileno()).columns - 1)
-        except OSError:
-            return 79
 
     def advance(self) -> None:
         """One more problem is done."""

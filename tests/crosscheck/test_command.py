@@ -49,6 +49,23 @@ def test_the_table_has_a_row_a_problem_and_says_more_where_needed(tmp_path: Path
     assert "\r" not in ran.err
 
 
+def test_the_page_shows_what_is_printed(tmp_path: Path) -> None:
+    """The briefcase without the line that the page says was forgotten."""
+    blocks = (ROOT / "docs" / "how-to" / "crosscheck.md").read_text().split("```")[1::2]
+    shown = next(block.strip("\n") for block in blocks if "outside" in block)
+    rule = next(block.strip() for block in blocks if "behavior r_at" in block)
+    text = (EXAMPLES / "briefcase" / "briefcase.cdl").read_text()
+    line = "    achieve not inside(x)\n"
+    assert text.count(line) == 1
+    text = text.replace(line, "")
+    assert rule in text
+    (tmp_path / "briefcase.cdl").write_text(text)
+    (tmp_path / "payday.cdl").write_bytes((EXAMPLES / "briefcase" / "payday.cdl").read_bytes())
+    ran = cdlc("crosscheck", "payday.cdl", cwd=tmp_path)
+    assert ran.status == 3
+    assert shown in ran.out
+
+
 def test_json_follows_its_schema(tmp_path: Path) -> None:
     ran = cdlc("crosscheck", *several(tmp_path), "--format", "json", cwd=tmp_path)
     document = json.loads(ran.out)
