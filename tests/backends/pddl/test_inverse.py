@@ -125,3 +125,51 @@ def test_what_no_action_stands_for_is_said() -> None:
     assert len(to_pddl_plan(task, stated, result)) == 1
     with pytest.raises(NoAction, match=r"stands for `act\(x=a\)`, after 0 effects or calls"):
         to_pddl_plan(replace(task, actions=()), stated, result)
+
+
+GOING = (
+    "behavior go(x: T):\n  goal: at(home) == x\n  body:\n    do c(x)\n  eff: at[home] = x\n"
+    "object_constant home: T\n"
+)
+
+
+def test_each_phase_is_an_action() -> None:
+    plan = pddl_plan(
+        GOING + "behavior act(x: T):\n  goal: p(x)\n  body:\n    do c(x)\n"
+        "    achieve at(home) == x\n    do c(home)\n  eff: p[x] = True\n"
+    )
+    assert [line.split()[0] for line in plan] == ["(act", "(c", "(act-2"]
+
+
+def test_a_phase_that_only_remembers_is_found() -> None:
+    plan = pddl_plan(
+        GOING + "behavior act(x: T):\n  goal: p(x)\n  body:\n    let before = at(home)\n"
+        "    achieve at(home) == x\n    do c(before)\n  eff:\n    p[x] = True\n"
+        "    q[before] = True\n",
+        "p(a) and q(b)",
+    )
+    assert len(plan) == 3
+    assert plan[-1].endswith(" b)") or " b " in plan[-1]
+
+
+def test_a_phase_remembers_numbers() -> None:
+    plan = pddl_plan(
+        "behavior more(x: T):\n  goal: q(x)\n  body:\n    do c(x)\n  eff:\n    q[x] = True\n"
+        "    n += 2\n"
+        "behavior act(x: T):\n  goal: p(x)\n  body:\n    let before = n()\n"
+        "    achieve q(x)\n    do c(x)\n  eff:\n    p[x] = True\n    n[...] = before + 5\n",
+        "p(a) and n() == 5",
+    )
+    assert len(plan) == 3
+
+
+def test_two_phases_are_open_at_once() -> None:
+    plan = pddl_plan(
+        "behavior low(x: T):\n  goal: q(x)\n  body:\n    do c(x)\n    achieve at(x) == x\n"
+        "    do c(x)\n  eff: q[x] = True\n"
+        "behavior go(x: T, y: T):\n  goal: at(x) == y\n  body:\n    do c(y)\n  eff: at[x] = y\n"
+        "behavior act(x: T):\n  goal: p(x)\n  body:\n    do c(x)\n    achieve q(x)\n    do c(x)\n"
+        "  eff: p[x] = True\n",
+        "p(a) and p(b)",
+    )
+    assert len(plan) == 9  # `b` is where it has to be already
