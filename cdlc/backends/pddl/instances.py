@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cdlc.backends.pddl.actions import Action, Source
-from crow.evaluate import EvaluationError, assignments_of, evaluate, holds
+from crow.evaluate import EvaluationError, assignments_of, evaluate_shared
 from crow.problem import Cell, State, World
 from crow.program import Compare, Parameter, Variable
 from crow.program.triples import Triple
@@ -99,7 +99,7 @@ def _solve(triple: Triple, values: Values, stretch: Stretch) -> None:
             return
         for name, value in ready:
             try:
-                values[name] = evaluate(stretch.world, stretch.before, value, values)
+                values[name] = evaluate_shared(stretch.world, stretch.before, value, values)
             except EvaluationError:
                 values[name] = None
 
@@ -110,10 +110,10 @@ def _led(triple: Triple, values: Values, stretch: Stretch) -> dict[Cell, Value] 
     if not all(world.is_of(values[p.name], p.type) for p in triple.parameters):
         return None
     for call, item in zip(triple.calls, stretch.made, strict=True):
-        arguments = (evaluate(world, before, a, values) for a in call.arguments)
+        arguments = (evaluate_shared(world, before, a, values) for a in call.arguments)
         if tuple(arguments) != item.arguments:
             return None
-    if not all(holds(world, before, part, values) for part in triple.pre):
+    if not all(evaluate_shared(world, before, part, values) for part in triple.pre):
         return None
     others: dict[Cell, Value] = {}
     for cell, value in _written(triple, values, stretch).items():
@@ -136,8 +136,8 @@ def _written(triple: Triple, values: Values, stretch: Stretch) -> dict[Cell, Val
         own = [v for v in update.variables if isinstance(v, Variable)]
         bound = tuple(Parameter(v.name, v.type) for v in own)
         for inner in assignments_of(world, bound, values):
-            if holds(world, before, update.guard, inner):
-                where = tuple(evaluate(world, before, a, inner) for a in update.arguments)
-                now = evaluate(world, before, update.value, inner)
+            if evaluate_shared(world, before, update.guard, inner):
+                where = tuple(evaluate_shared(world, before, a, inner) for a in update.arguments)
+                now = evaluate_shared(world, before, update.value, inner)
                 written[update.feature, where] = stored(now, world.features[update.feature].type)
     return written
