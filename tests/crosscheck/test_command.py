@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import jsonschema
@@ -205,7 +206,9 @@ def second_run_of_planners(process: subprocess.Popen[str]) -> list[psutil.Proces
     workers: set[int] = set()
     while time.monotonic() < deadline:
         children = psutil.Process(process.pid).children(recursive=True)
-        workers |= {child.pid for child in children if child.ppid() == process.pid}
+        for child in children:
+            with suppress(psutil.NoSuchProcess):  # it has ended since
+                workers |= {child.pid} if child.ppid() == process.pid else set()
         if len(workers) >= 3 and len(children) >= 2:
             return children
         time.sleep(0.02)
