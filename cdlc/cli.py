@@ -179,7 +179,12 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     _files(command, "DOMAIN", "PROBLEM")
     command.add_argument(
         "--engine", default="auto", metavar="NAME",
-        help="auto, iddfs or reference (the runtime's), or a PDDL engine such as fast-downward;"
+        help="auto, best, iddfs or reference (the runtime's), or a PDDL engine such as"
+        " fast-downward; default: %(default)s",
+    )  # fmt: skip
+    command.add_argument(
+        "--h", default="ff", choices=("ff", "add"),
+        help="the heuristic of best-first search: the size of a relaxed plan, or costs added up;"
         " default: %(default)s",
     )  # fmt: skip
     command.add_argument("--seed", type=int, default=0, metavar="N", help="default: %(default)s")

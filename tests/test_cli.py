@@ -334,7 +334,7 @@ goal: open(front)
 def test_no_plan_is_explained() -> None:
     ran = cdlc("plan", "-", stdin=UNSOLVABLE)
     assert (ran.status, ran.out) == (3, "")
-    assert "no plan exists (auto" in ran.err
+    assert "no plan exists by the program (auto" in ran.err
     assert "`not locked(d)` at -:10:5 with d = front: it is false here" in ran.err
     document = json.loads(cdlc("plan", "-", "--format", "json", stdin=UNSOLVABLE).out)
     jsonschema.validate(document, schema("plan"))

@@ -48,6 +48,7 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
     planning = Planning(
         problem,
         options.engine,
+        h=options.h,
         seed=options.seed,
         time_limit=options.time_limit,
         memory_limit_mb=options.max_memory,
@@ -65,13 +66,16 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
 
 def _show_progress(statistics: dict[str, Any]) -> None:
     """One line that is written over."""
-    shown = f"depth {statistics['depth']}, {statistics['nodes']} nodes"
+    shown = f"{statistics['nodes']} nodes"
+    if "depth" in statistics:
+        shown = f"depth {statistics['depth']}, {shown}"
     print(f"\r\033[K{shown}", end="", file=sys.stderr, flush=True)
 
 
 def _statistics_text(statistics: dict[str, Any]) -> str:
     """Figures of a search in one line."""
-    parts = [f"searched {statistics['nodes']} nodes to depth {statistics['depth']}"]
+    depth = f" to depth {statistics['depth']}" if "depth" in statistics else ""
+    parts = [f"searched {statistics['nodes']} nodes{depth}"]
     parts += [f"{number} {name}" for name, number in statistics.get("pruned", {}).items()]
     return ", ".join(parts[:1]) + (f"; left out {', '.join(parts[1:])}" if parts[1:] else "")
 

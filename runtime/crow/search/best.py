@@ -71,7 +71,6 @@ class BestFirst:
         self.queue: list[tuple[float, int, Node]] = []
         self.numbers = 0
         self.duplicates = 0
-        self.is_cut_by_depth = False
         self.is_cut_by_commit = False
         self.pause_at: float = inf
         self.committed: dict[Hashable, int] = {}
@@ -175,6 +174,9 @@ class _Expansion:
                         heappush(ways, after)
                 else:
                     nearest = min(nearest, self._land(step))
+                    if len(self.ran) >= self.guide.helpful:
+                        break
+        self.again.extend(ways)
         if is_forced:
             self.base = max(self.base, nearest)
         self._put_off_others()
@@ -192,10 +194,7 @@ class _Expansion:
                 self.again.append(way._replace(number=way.number))
                 return None
             self.ran.add(key)
-        self.machine.is_cut = False
-        step = self.machine.run(point)
-        search.is_cut_by_depth |= self.machine.is_cut
-        return step
+        return self.machine.run(point)
 
     def _is_new(self, choice: Choice) -> bool:
         point, seen = choice.point, self.search.seen

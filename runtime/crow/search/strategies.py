@@ -90,8 +90,7 @@ class Best:
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""
-        search = self.search
-        cut = {"depth": search.is_cut_by_depth, "commit": search.is_cut_by_commit}
+        cut = {"depth": self.machine.is_cut, "commit": self.search.is_cut_by_commit}
         return tuple(name for name, is_cut in cut.items() if is_cut)
 
     def pause(self, nodes: float) -> None:

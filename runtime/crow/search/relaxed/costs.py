@@ -6,7 +6,6 @@ from math import inf
 from typing import NamedTuple
 
 from crow.search.relaxed.facts import Operator, Task
-from crow.search.states import Snapshot
 
 SIDE_EFFECT = 0.01
 """So that of two behaviors equally near, the one applied for a fact makes it true."""
@@ -19,7 +18,7 @@ class Costs(NamedTuple):
     supporters: list[int]
 
 
-def costs(task: Task, state: Snapshot, without: frozenset[int]) -> Costs:
+def costs(task: Task, true: Iterable[int], without: frozenset[int]) -> Costs:
     """The cost of every fact, by adding up; the operators in `without` are left out."""
     operators, consumers = task.operators, task.consumers
     known = [inf] * len(task.facts)
@@ -29,7 +28,7 @@ def costs(task: Task, state: Snapshot, without: frozenset[int]) -> Costs:
     queue: list[tuple[float, int]] = []
     for index in without:
         missing[index] = -1
-    for number in task.true_facts(state):
+    for number in true:
         known[number] = 0
         queue.append((0, number))
     for index, operator in enumerate(operators):

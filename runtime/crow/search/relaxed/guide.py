@@ -18,14 +18,21 @@ from crow.values import Value
 BROKEN = 1_000
 """Added where something that has to stay true would have to be made true again."""
 
+EARLY = 4
+"""Added for each goal that was begun before others that cannot follow it."""
+
 
 @dataclass(slots=True, eq=False)
 class Guide:
-    """How much is left at a point, and what a relaxed plan applies on the way."""
+    """How much is left at a point, and what a relaxed plan applies on the way.
+
+    `begun` counts the behaviors that have begun, `helpful` those of the plan that may run now.
+    """
 
     state: Snapshot
     cost: float
     begun: int = 0
+    helpful: int = 0
     uses: dict[tuple[Code, tuple[Value, ...]], list[Environment]] = field(default_factory=dict)
 
     def uses_behavior(self, code: Code, arguments: tuple[Value, ...]) -> bool:
@@ -52,6 +59,7 @@ class Guiding:
         self.remaining = Remaining(self.operators, self.task, machine.store.initial)
         self.evaluations = 0
         self._costs: dict[tuple[Snapshot, frozenset[int]], Costs] = {}
+        self._early: dict[tuple[Snapshot, int, int, frozenset[int]], bool] = {}
         self._size = 0
 
     def guide(self, point: Point) -> Guide:
@@ -64,20 +72,25 @@ class Guiding:
         task, state = self.task, point.state
         made = {number for index in left.begun for number in task.operators[index].made}
         kept = [number for number in left.kept if number not in made]
-        lost = [n for n in (*kept, *left.held) if not task.is_true(n, state)]
+        lost = [(n, above) for n, above in left.held if not task.is_true(n, state)]
+        lost += [(n, frozenset()) for n in kept if not task.is_true(n, state)]
         without = frozenset(
             index for n in kept if task.is_true(n, state) for index in self._destroyers(n)
         )
         cost, plan, broken = self._planned(state, left, made, lost, without)
+        true = self._found(state, without).facts
         if isinf(cost) and without:
             cost, plan, broken = self._planned(state, left, made, lost, frozenset())
             broken += 1
         broken += left.broken + sum(left.consumed.values()) - len(left.consumed)
         broken += sum(n in kept for index in left.begun for n in task.destroyed(index))
+        if not isinf(cost) and left.begun:
+            cost += EARLY * self._count_early(state, left, without)
         guide = Guide(state, cost + broken * BROKEN, sum(left.begun.values()))
         for index in plan:
             operator = task.operators[index]
             if operator.code is not None:
+                guide.helpful += not any(true[need] for need in operator.needs)
                 key = (operator.code, operator.arguments)
                 guide.uses.setdefault(key, []).append(operator.values)
         return guide
@@ -87,7 +100,7 @@ class Guiding:
         state: Snapshot,
         left: Left,
         made: set[int],
-        lost: list[int],
+        lost: list[tuple[int, frozenset[int]]],
         without: frozenset[int],
     ) -> tuple[float, set[int], int]:
         """The cost, a relaxed plan, and how much that is lost it does not bring back by itself."""
@@ -100,10 +113,14 @@ class Guiding:
         plan = set(left.begun)
         relaxed_plan(self.task, found, wanted, plan)
         if lost:
-            again = {number for index in plan for number in operators[index].made}
-            lost = [number for number in lost if number not in again]
-            relaxed_plan(self.task, found, lost, plan)
-            total += sum(found.facts[number] for number in lost)
+            lost = [
+                (number, above)
+                for number, above in lost
+                if not any(number in operators[index].made for index in plan - above)
+            ]
+            numbers = [number for number, _ in lost]
+            relaxed_plan(self.task, found, numbers, plan)
+            total += sum(found.facts[number] for number in numbers)
             if isinf(total):
                 return inf, set(), 0
         if self.heuristic == "add":
@@ -116,10 +133,45 @@ class Guiding:
         if size != self._size:
             self._costs.clear()
             self._size = size
+            self._early.clear()
         found = self._costs.get((state, without))
         if found is None:
-            found = self._costs[state, without] = costs(self.task, state, without)
+            true = self.task.true_facts(state)
+            found = self._costs[state, without] = costs(self.task, true, without)
         return found
+
+    def _count_early(self, state: Snapshot, left: Left, without: frozenset[int]) -> int:
+        """Goals that were begun before others that cannot follow them."""
+        task, count = self.task, 0
+        for index in left.begun:
+            goals = [n for n in task.operators[index].claims if n in left.goals]
+            for goal in goals:
+                key = (state, index, goal, without)
+                if key not in self._early:
+                    self._early[key] = self._is_early(state, index, goal, left, without)
+                count += self._early[key]
+        return count
+
+    def _is_early(
+        self, state: Snapshot, index: int, goal: int, left: Left, without: frozenset[int]
+    ) -> bool:
+        """Whether other goals are out of reach once a behavior has made one true.
+
+        That is tried in what a relaxed plan for it leaves true (after Koehler and Hoffmann's
+        reasonable orders).
+        """
+        task = self.task
+        plan = {index}
+        relaxed_plan(task, self._found(state, without), task.operators[index].needs, plan)
+        gone = {n for i in plan for n in task.destroyed(i)}
+        gone -= {n for i in plan for n in task.operators[i].made}
+        gone.update(task.destroyed(index))
+        true = {n for i in plan for n in task.operators[i].made}.union(
+            task.true_facts(state)
+        ) - gone
+        kept = without | self._destroyers(goal)
+        found = costs(task, true, frozenset(kept))
+        return any(isinf(found.facts[number]) for number in left.goals)
 
     def _destroyers(self, number: int) -> set[int]:
         """The operators that make a fact false for certain."""

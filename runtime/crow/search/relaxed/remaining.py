@@ -16,7 +16,12 @@ from crow.search.states import Snapshot
 
 @dataclass(slots=True)
 class Left:
-    """Facts that are wanted, operators that have begun, facts to be kept, and sure dead ends."""
+    """Facts that are wanted, operators that have begun and how often, and facts that are to stay.
+
+    `kept` are those that no open member wants, `held` those that hold until a behavior ends, with
+    it and the ones above it; `consumed` counts who ends what it holds. `broken` counts what cannot
+    stay for certain.
+    """
 
     wanted: dict[int, None] = field(default_factory=dict)
     begun: dict[int, int] = field(default_factory=dict)
@@ -24,7 +29,8 @@ class Left:
     cost: int = 0
     broken: int = 0
     kept: dict[int, None] = field(default_factory=dict)
-    held: dict[int, None] = field(default_factory=dict)
+    held: dict[tuple[int, frozenset[int]], None] = field(default_factory=dict)
+    goals: dict[int, None] = field(default_factory=dict)
     is_possible: bool = True
 
     def want(self, needs: tuple[int, ...] | None) -> None:
@@ -45,6 +51,7 @@ class Left:
         self.cost += other.cost
         self.kept |= other.kept
         self.held |= other.held
+        self.goals |= other.goals
         self.is_possible &= other.is_possible
 
 
@@ -207,10 +214,11 @@ class Remaining:
         assert code is not None
         own = Left()
         self._held(own, context.held)
-        left.held |= own.wanted
+        left.held |= {(number, frozenset()): None for number in own.wanted}
         for index in self.operators.applied(code, application.arguments, is_first):
             if agrees(self.task.operators[index].values, context.values):
                 task = self.task
+                left.held = {(n, above | {index}): None for n, above in left.held}
                 left.broken += sum(n in own.wanted for i in left.begun for n in task.destroyed(i))
                 left.begun[index] = left.begun.get(index, 0) + 1
                 for number in task.destroyed(index):
@@ -242,6 +250,7 @@ class Remaining:
         conditions = self.operators.conditions
         for test, values in held:
             needs = conditions.needs(test.condition, names_of(test.slots, values))
+            left.goals |= dict.fromkeys(needs or ())
             left.kept |= {n: None for n in needs or () if n not in left.wanted}
 
 
