@@ -12,10 +12,10 @@ from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
 
-FIRST_TURN: Final = 1_000
+FIRST_TURN: Final = 850
 """The nodes of the first turn of `auto`; each next one has twice as many."""
 
-SHARE: Final = 4
+SHARE: Final = 5
 """How many times as long the turns of best-first search are."""
 
 Check = Callable[[int], None]
@@ -116,7 +116,7 @@ class Best:
 class Auto:
     """Deepening and best-first search by turns, each turn twice as long as the one before.
 
-    So it finds a plan wherever deepening does, for at most some ten times its nodes. Only
+    So it finds a plan wherever deepening does, for at most some twelve times its nodes. Only
     deepening enumerates all plans: its end is the end, unless best-first search has shown that
     there is no plan at all.
     """
