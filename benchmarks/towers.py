@@ -2,6 +2,7 @@
 
 import random
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -46,7 +47,7 @@ def names(count: int) -> list[str]:
 
 def on(towers: Towers) -> list[tuple[str, str]]:
     """Which block is on which."""
-    return [(x, y) for tower in towers for y, x in zip(tower, tower[1:], strict=False)]
+    return [(x, y) for tower in towers for y, x in pairwise(tower)]
 
 
 def instance(towers: Towers, goal: list[tuple[str, str]]) -> Instance:
