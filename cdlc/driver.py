@@ -19,6 +19,7 @@ from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
     from cdlc.backends.functions import Functions
+    from cdlc.backends.hddl import HddlTask
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Model
     from crow.problem import Problem
@@ -161,6 +162,36 @@ class Compilation:
         self._stop_at_errors()
         assert task is not None
         return task
+
+    @cached_property
+    def hddl(self) -> "HddlTask":
+        """The HDDL of the domain and, if there is one, of the problem."""
+        from cdlc.backends.hddl import to_hddl
+
+        pddl = self.pddl
+        task = to_hddl(pddl, None if self.statement is None else self.problem, self.found)
+        self._stop_at_errors()
+        assert task is not None
+        return task
+
+    @cached_property
+    def up_text(self) -> str:
+        """The task as unified-planning, which has to be installed, writes its problems."""
+        from cdlc.backends.up import report_unfit, up_text
+
+        self._require_problem("up")
+        task = self.pddl
+        report_unfit(task, self.found)
+        self._stop_at_errors()
+        return up_text(task)
+
+    def _require_problem(self, format_: str) -> None:
+        from cdlc.backends.errors import NeedsProblem
+
+        if self.statement is None:
+            start = Location(self.domain_file or "", 1, 1, 1, 1)
+            self.found.add(NeedsProblem(location=start, format=format_))
+        self._stop_at_errors()
 
     @cached_property
     def planning_task(self) -> "PddlTask":

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from unified_planning.model import Problem as UpProblem
 
     from cdlc.backends.functions import Functions
+    from cdlc.backends.hddl import HddlTask
     from cdlc.backends.pddl import PddlTask
     from crow.problem import Problem
     from crow.program.triples import Triple
@@ -83,6 +84,13 @@ class Compiled:
         Raises CompileError for a program that is not discrete.
         """
         return self._compilation.pddl
+
+    def hddl(self) -> "HddlTask":
+        """The HDDL, tasks and methods beside the actions: `.domain` and `.problem` are texts.
+
+        Raises CompileError for a program that is not discrete, or has numbers.
+        """
+        return self._compilation.hddl
 
     def up(self) -> "UpProblem":
         """The task as a `unified_planning.model.Problem`; needs a problem and that library.

@@ -115,6 +115,10 @@ def test_every_command_reports_wrong_files(
         ("compile", str(DOMAIN), "--emit", "hoare", "--simplify", "most"),
         ("compile", str(DOMAIN), "--emit", "pddl", "--format", "json"),
         ("compile", str(DOMAIN), "--emit", "pddl", "--explain"),
+        ("compile", str(DOMAIN), "--emit", "hddl", "--format", "json"),
+        ("compile", str(DOMAIN), "--emit", "hddl", "--derived", "axioms"),
+        ("compile", str(DOMAIN), "--emit", "hddl", "--numeric", "enumerate"),
+        ("compile", str(SUSSMAN), "--emit", "up", "--derived", "axioms"),
         ("compile", str(DOMAIN), "--emit", "hoare", "--explain", "--format", "json"),
         ("plan", "a", "b", "c"),
         ("validate", str(SUSSMAN)),
@@ -164,14 +168,15 @@ def test_check_loads_neither_sympy_nor_unified_planning() -> None:
 # --------------------------------------------------------------------------------------- compile
 
 
-def test_compile_writes_files_whole(tmp_path: Path) -> None:
+@pytest.mark.parametrize("emitted", ["pddl", "hddl"])
+def test_compile_writes_files_whole(emitted: str, tmp_path: Path) -> None:
     folder = tmp_path / "new" / "folder"
-    ran = cdlc("compile", DOMAIN, SUSSMAN, "--emit", "pddl", "-o", folder)
+    ran = cdlc("compile", DOMAIN, SUSSMAN, "--emit", emitted, "-o", folder)
     assert (ran.status, ran.out, ran.err) == (0, "", "")
-    assert sorted(f.name for f in folder.iterdir()) == ["domain.pddl", "problem.pddl"]
-    printed = cdlc("compile", DOMAIN, SUSSMAN, "--emit", "pddl").out
-    texts = [(folder / name).read_text() for name in ("domain.pddl", "problem.pddl")]
-    assert "\n".join(texts) == printed
+    names = [f"domain.{emitted}", f"problem.{emitted}"]
+    assert sorted(f.name for f in folder.iterdir()) == names
+    printed = cdlc("compile", DOMAIN, SUSSMAN, "--emit", emitted).out
+    assert "\n".join((folder / name).read_text() for name in names) == printed
 
 
 def test_compile_into_a_file_is_reported(tmp_path: Path) -> None:
@@ -329,7 +334,7 @@ goal: open(front)
 def test_no_plan_is_explained() -> None:
     ran = cdlc("plan", "-", stdin=UNSOLVABLE)
     assert (ran.status, ran.out) == (3, "")
-    assert "no plan exists (auto" in ran.err
+    assert "no plan exists by the program (auto" in ran.err
     assert "`not locked(d)` at -:10:5 with d = front: it is false here" in ran.err
     document = json.loads(cdlc("plan", "-", "--format", "json", stdin=UNSOLVABLE).out)
     jsonschema.validate(document, schema("plan"))

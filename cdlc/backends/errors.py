@@ -46,6 +46,46 @@ class NotInPddl(Diagnostic):
         return () if self.cure is None else (Help(self.cure),)
 
 
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class NotInFormat(Diagnostic):
+    """Something that PDDL or the runtime has, and the format asked for has not.
+
+        feature level(j: jug) -> int64        # --emit hddl
+
+    HDDL has no numbers, and its tasks take objects only. unified-planning's problems have no
+    derived predicates. `--emit pddl` has both, and the runtime plans with the CDL program itself.
+    """
+
+    construct: str
+    format: str
+    cure: str
+
+    def message(self) -> str:
+        return f"{self.construct} has no {self.format}"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(self.cure),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class NeedsProblem(Diagnostic):
+    """A domain alone, where a whole task is asked for.
+
+        cdlc compile blocks.cdl --emit up
+
+    A problem of unified-planning has objects, an initial state and a goal. Give the problem file,
+    with or without that of its domain: `cdlc compile sussman.cdl --emit up`.
+    """
+
+    format: str
+
+    def message(self) -> str:
+        return f"`--emit {self.format}` needs a problem, and this is a domain"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help(f"name the problem, too: cdlc compile DOMAIN PROBLEM --emit {self.format}"),)
+
+
 # A message is no index: past this many uses the rest is counted.
 _MOST_USES = 8
 

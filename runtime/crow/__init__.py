@@ -51,6 +51,7 @@ def plan(
     problem: "Problem",
     engine: str = "auto",
     *,
+    h: str = "ff",
     seed: int = 0,
     time_limit: float | None = None,
     node_limit: int | None = None,
@@ -60,18 +61,21 @@ def plan(
 ) -> "Result":
     """A plan of a problem, by refining its goal (§3 of the paper).
 
-    `engine` is `auto`, `iddfs` or `reference`. Limits are None for none: seconds of wall time,
+    `engine` is `auto`, `best`, `iddfs` or `reference`; `h`, the heuristic of best-first search, is
+    `ff` or `add`. Limits are None for none: seconds of wall time,
     nodes, depth of nested behaviors, MiB of memory. `on_progress` is called now and then with
     statistics.
 
     Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
-    program that would have to choose values, and ValueError for an engine that does not exist.
+    program that would have to choose values, and ValueError for an engine or heuristic that is
+    not one.
     """
     from crow.planning import Planning
 
     return Planning(
         problem,
         engine,
+        h=h,
         seed=seed,
         time_limit=time_limit,
         node_limit=node_limit,
@@ -85,20 +89,23 @@ def plans(
     problem: "Problem",
     engine: str = "auto",
     *,
+    h: str = "ff",
     seed: int = 0,
     time_limit: float | None = None,
     node_limit: int | None = None,
     depth_limit: int | None = None,
 ) -> "Iterator[Plan]":
-    """The plans of a problem, each once, those that need less depth first.
+    """The plans of a problem, each once; with `iddfs`, those that need less depth first.
 
-    It ends when there are no more or a limit is reached. Arguments and errors are those of `plan`.
+    It ends when there are no more or a limit is reached; `best` does not find all. Arguments and
+    errors are those of `plan`.
     """
     from crow.planning import Planning
 
     return Planning(
         problem,
         engine,
+        h=h,
         seed=seed,
         time_limit=time_limit,
         node_limit=node_limit,

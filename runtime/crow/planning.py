@@ -1,11 +1,10 @@
 """Behind `crow.plan` and `crow.plans`: a problem to its plans, or to why there are none.
 
-Both engines deepen: round k refines up to depth k, until a plan is found, nothing deeper is left,
-or a limit is reached. Each plan is replayed by `crow.replay` before it is handed over.
+Deepening goes in rounds: round k refines up to depth k, until a plan is found, nothing deeper is
+left, or a limit is reached. Each plan is replayed by `crow.replay` before it is handed over.
 """
 
 from collections.abc import Iterator
-from itertools import count
 from typing import Any, Protocol
 
 from crow.budget import Budget, Progress, Stopped
@@ -18,8 +17,11 @@ from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
 from crow.support import unsupported
 from crow.trace import Trace
 
-ENGINES = ("auto", "iddfs", "reference")
-"""The engines of the runtime; `auto` is iterative deepening."""
+ENGINES = ("auto", "best", "iddfs", "reference")
+"""The engines of the runtime; `auto` is `iddfs` and `best` by turns."""
+
+HEURISTICS = ("ff", "add")
+"""What `h` may name for best-first search: the size of a relaxed plan, or costs added up."""
 
 Found = tuple[tuple[Step, ...], Trace]
 
@@ -36,11 +38,11 @@ class NotPlannable(ValueError):  # noqa: N818 - about the program, not about a f
 class Engine(Protocol):
     """An engine with one problem to search."""
 
-    def round(self, depth: int) -> Iterator[Found]:
-        """The plans up to a depth, some more than once. Raises Stopped."""
+    def plans(self) -> Iterator[Found | None]:
+        """The plans, some more than once, with None in between. Raises Stopped."""
 
     def left_out(self) -> tuple[str, ...]:
-        """What the last round left out: `depth` first, if deeper refinements are."""
+        """The limits that kept the search from trying everything, once it has ended."""
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far."""
@@ -61,6 +63,7 @@ class Planning:
         problem: Problem,
         engine: str = "auto",
         *,
+        h: str = "ff",
         seed: int = 0,
         time_limit: float | None = None,
         node_limit: int | None = None,
@@ -70,36 +73,31 @@ class Planning:
     ) -> None:
         if engine not in ENGINES:
             raise ValueError(f"no engine `{engine}`; there are {', '.join(ENGINES)}")
+        if h not in HEURISTICS:
+            raise ValueError(f"no heuristic `{h}`; there are {', '.join(HEURISTICS)}")
         missing = unsupported(problem.world.program)
         if missing is not None:
             raise NotPlannable(missing.construct, missing.location)
         self.problem = problem
         self.name = engine
         self.seed = seed
-        self.depth_limit = depth_limit
         self.budget = Budget(time_limit, node_limit, memory_limit_mb, on_progress)
-        self.depth = 0
-        self.engine = _engine(problem, engine, self._check)
+        self.engine = _engine(problem, engine, self._check, depth_limit, h)
         self.end: Result | None = None
 
     def plans(self) -> Iterator[Plan]:
         """Each plan, once; after the last, `end` says why there are no more."""
         seen = set()
         try:
-            for depth in count():
-                if self.depth_limit is not None and depth > self.depth_limit:
-                    self.end = self._limit("depth")
-                    return
-                self.depth = depth
-                for steps, trace in self.engine.round(depth):
-                    key = _identity(steps)
-                    if key not in seen:
-                        seen.add(key)
-                        yield self._plan(steps, trace)
-                left_out = self.engine.left_out()
-                if left_out[:1] != ("depth",):
-                    self.end = self._limit(*left_out) if left_out else self._unsolvable()
-                    return
+            for found in self.engine.plans():
+                if found is None:
+                    continue
+                key = _identity(found[0])
+                if key not in seen:
+                    seen.add(key)
+                    yield self._plan(*found)
+            left_out = self.engine.left_out()
+            self.end = self._limit(*left_out) if left_out else self._unsolvable()
         except Stopped as stopped:
             self.end = self._stopped(stopped.reason)
 
@@ -113,8 +111,7 @@ class Planning:
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far."""
-        own = {"seconds": round(self.budget.seconds, 3), "depth": self.depth}
-        return {**own, **self.engine.statistics()}
+        return {"seconds": round(self.budget.seconds, 3), **self.engine.statistics()}
 
     def _check(self, nodes: int) -> None:
         self.budget.check(nodes, self.statistics)
@@ -167,11 +164,21 @@ def _identity(steps: tuple[Step, ...]) -> tuple[object, ...]:
     )
 
 
-def _engine(problem: Problem, name: str, check: Any) -> Engine:
-    if name == "reference":
-        from crow.reference import ReferenceEngine
+def _engine(
+    problem: Problem, name: str, check: Any, depth_limit: int | None, heuristic: str
+) -> Engine:
+    from crow.search.strategies import Auto, Best, Deepening
 
-        return ReferenceEngine(problem, check)
-    from crow.search.engine import CrowEngine
+    match name:
+        case "reference":
+            from crow.reference import ReferenceEngine
 
-    return CrowEngine(problem, check)
+            return Deepening(ReferenceEngine(problem, check), depth_limit)
+        case "iddfs":
+            from crow.search.engine import CrowEngine
+
+            return Deepening(CrowEngine(problem, check), depth_limit)
+        case "best":
+            return Best(problem, check, depth_limit, heuristic)
+        case _:
+            return Auto(problem, check, depth_limit, heuristic)

@@ -14,9 +14,16 @@ class Plan(Result):
 
 @dataclass(frozen=True, slots=True)
 class Unsolvable(Result):
-    """Proved: every refinement of the goal was tried, and none is sound."""
+    """Proved: every refinement of the goal was tried, and none is sound.
+
+    There may be plans all the same that no refinement by this program is.
+    """
 
     status: str = field(default="unsolvable", init=False)
+
+    def summary(self) -> str:
+        """One line for people."""
+        return f"no plan exists by the program ({self.engine}{took(self.statistics)})"
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,11 @@ from small_programs import small_program
 from support import EXAMPLES
 
 from cdlc.driver import problem_compilation
-from crow.planning import _identity
+from crow.planning import Planning, _identity
 from crow.problem import Problem
 from crow.reference import Refinement, refinements
 from crow.replay import replay_to_goal
+from crow.results import LimitReached, Plan, Unsolvable
 from crow.search.engine import CrowEngine
 
 MOST_NODES = 50_000
@@ -56,12 +57,26 @@ def crow(problem: Problem, depth: int, *, prunes: bool) -> Plans:
     return replayed(problem, engine.round(depth))
 
 
+def strategy(problem: Problem, name: str, depth: int) -> Plans:
+    """The plan of a strategy, if it finds one; no limit but the depth keeps it from one."""
+    result = Planning(problem, name, depth_limit=depth).first()
+    if isinstance(result, Plan):
+        return {_identity(result.steps)}
+    assert isinstance(result, Unsolvable | LimitReached), result
+    assert not isinstance(result, LimitReached) or result.limits == ("depth",), result
+    return set()
+
+
 def compare(problem: Problem, depth: int, most: int = MOST_NODES) -> Plans:
     expected = reference(problem, depth, most)
     assert crow(problem, depth, prunes=False) == expected
     pruned = crow(problem, depth, prunes=True)
     assert pruned <= expected
     assert bool(pruned) == bool(expected)
+    for name in ("best", "auto"):
+        found = strategy(problem, name, depth)
+        assert found <= expected, name
+        assert bool(found) == bool(expected), name
     return expected
 
 

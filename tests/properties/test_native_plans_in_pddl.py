@@ -1,15 +1,18 @@
-"""Plans of the runtime are plans of the emitted PDDL: by unified-planning's validator."""
+"""Plans of the runtime are plans of the emitted PDDL: by the validators of others."""
 
 import random
+from itertools import islice
 from pathlib import Path
 
 import pytest
-from programs import problem_of, task_of
+from programs import emitted, problem_of, task_of
+from small_programs import small_program
 from support import EXAMPLES
 
 import crow
-from cdlc.backends.pddl import PddlTask
-from crow.plan import Step
+from cdlc.backends.pddl.fit import report_unplannable
+from cdlc.backends.pddl.inverse import to_pddl_plan
+from crow.planning import Planning
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
@@ -17,24 +20,6 @@ DOMAINS = {
     "blocks": (EXAMPLES / "blocks" / "blocks.cdl").read_text(),
     "strips": (EXAMPLES / "blocks" / "blocks_strips.cdl").read_text(),
 }
-
-
-def action_of(task: PddlTask, step: Step, behavior_parameters: list[str]) -> tuple[str, list[str]]:
-    """The PDDL action of a step, with the names of its arguments."""
-    values = {
-        **dict(zip(behavior_parameters, step.behavior_arguments, strict=True)),
-        **step.bindings,
-    }
-    for action in task.actions:
-        for source in action.sources:
-            if source.behavior == step.behavior:
-                own = {
-                    c.parameter: values[c.variable.name] for c in source.variables if c.parameter
-                }
-                return action.name, [
-                    task.names.get("object", own[p.name]) for p in action.parameters
-                ]
-    raise AssertionError(f"no action for {step}")
 
 
 def check(domain: str, problem: str) -> crow.Result:
@@ -51,11 +36,9 @@ def check(domain: str, problem: str) -> crow.Result:
     pddl = PDDLReader().parse_problem_string(task.domain, task.problem)
     actions = {action.name.lower(): action for action in pddl.actions}
     instances = []
-    for step in result.steps:
-        parameters = [p.name for p in stated.world.behaviors[step.behavior].parameters]
-        name, arguments = action_of(task, step, parameters)
-        objects = [pddl.object(argument.lower()) for argument in arguments]
-        instances.append(ActionInstance(actions[name.lower()], objects))
+    for step in to_pddl_plan(task, stated, result):
+        objects = [pddl.object(argument.lower()) for argument in step.arguments]
+        instances.append(ActionInstance(actions[step.action.lower()], objects))
     verdict = SequentialPlanValidator().validate(pddl, SequentialPlan(instances))
     assert verdict, (result.steps, verdict)
     return result
@@ -75,6 +58,8 @@ def strip_domain(file: Path) -> str:
         ("kitchen/kitchen", "kitchen/tidy"),
         ("blocks/blocks", "blocks/sussman"),
         ("blocks/blocks_strips", "blocks/sussman"),
+        ("briefcase/briefcase", "briefcase/payday"),
+        ("cupboard/cupboard", "cupboard/dishes"),
     ],
 )
 def test_examples(domain: str, problem: str) -> None:
@@ -121,3 +106,32 @@ def test_random_blocks(seed: int) -> None:
 def test_more_random_blocks(domain: str) -> None:
     for seed in range(100, 250):
         check(DOMAINS[domain], random_blocks(seed))
+
+
+def validated_plans(seed: int) -> int:
+    """How many plans of a random program are valid in its PDDL, by Kairos; all have to be."""
+    kairos = pytest.importorskip("kairos")
+    small = small_program(seed)
+    task, found, problem = emitted(small.domain, small.problem)
+    if task is None or problem is None or found.has_errors:
+        return 0
+    report_unplannable(problem.world.program, found)
+    if found.has_errors:
+        return 0
+    count = 0
+    for plan in islice(Planning(problem, node_limit=3_000, time_limit=20).plans(), 4):
+        steps = to_pddl_plan(task, problem, plan)
+        text = "".join(f"({' '.join((s.action, *s.arguments))})\n" for s in steps)
+        report = kairos.validate_plan(task.domain, task.problem, kairos.parse_plan(text))
+        assert report.status == kairos.ValidationStatus.VALID, (seed, text, report.diagnostics)
+        count += bool(steps)
+    return count
+
+
+def test_plans_of_random_programs() -> None:
+    assert sum(map(validated_plans, range(200))) >= 20
+
+
+@pytest.mark.slow
+def test_plans_of_many_random_programs() -> None:
+    assert sum(map(validated_plans, range(1_000, 4_000))) >= 400

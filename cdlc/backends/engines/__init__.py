@@ -23,12 +23,15 @@ from cdlc.backends.engines.result import (
     EngineStatus,
     EngineUnsupported,
     PddlStep,
+    Verdict,
 )
-from cdlc.backends.engines.run import describe, solve
+from cdlc.backends.engines.run import describe, solve, validate
 
 __all__ = [
     "solve",
     "describe",
+    "validate",
+    "Verdict",
     "Description",
     "installed",
     "EngineResult",

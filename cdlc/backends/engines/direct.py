@@ -78,13 +78,21 @@ def _kairos(request: dict[str, Any]) -> Answer:
 
 
 def _validated(request: dict[str, Any], found: Answer) -> Answer:
-    if find_spec("kairos") is None:
+    verdict = validated_directly(request["domain"], request["problem"], found["steps"])
+    if verdict["outcome"] != "invalid":
         return found
+    reason = f"it returned an invalid plan: {verdict['reason']}"
+    return {"outcome": "failed", "reason": reason, "steps": found["steps"]}
+
+
+def validated_directly(domain: str, problem: str, steps: list[list[str]]) -> Answer:
+    """What Kairos' validator says of a plan; unsupported where it is not installed."""
+    if find_spec("kairos") is None:
+        return _LACKING
     kairos = import_module("kairos")
-    text = "".join(f"({' '.join(step)})\n" for step in found["steps"])
-    plan = kairos.parse_plan(text)
-    report = kairos.validate_plan(request["domain"], request["problem"], plan)
-    if report.status == kairos.ValidationStatus.INVALID:
-        said = " ".join(map(str, report.diagnostics))
-        return {"outcome": "failed", "reason": f"it returned an invalid plan: {said}"}
-    return found
+    plan = kairos.parse_plan("".join(f"({' '.join(step)})\n" for step in steps))
+    report = kairos.validate_plan(domain, problem, plan)
+    if report.status == kairos.ValidationStatus.VALID:
+        return {"outcome": "valid", "by": "kairos"}
+    said = " ".join(map(str, report.diagnostics))
+    return {"outcome": "invalid", "by": "kairos", "reason": said}

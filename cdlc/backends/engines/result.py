@@ -39,6 +39,15 @@ class EngineResult:
     log: str
 
 
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What the validator called `by` says of a plan; `reason` is why it is none."""
+
+    by: str
+    is_valid: bool
+    reason: str = ""
+
+
 LOG_LIMIT = 8192
 
 
@@ -89,14 +98,17 @@ class EngineUnsupported(EngineError):  # noqa: N818 - the base class says it
 class EngineFailed(EngineError):  # noqa: N818 - the base class says it
     """The engine crashed, could not read the task, or returned a plan that is not valid.
 
-    `log` is the end of what the engine printed, at most `LOG_LIMIT` bytes.
+    `log` is the end of what the engine printed, at most `LOG_LIMIT` bytes; `steps` are those of a
+    plan that is not valid.
     """
 
     code = "engine-failed"
 
-    def __init__(self, engine: str, reason: str, log: str) -> None:
-        super().__init__(engine, reason, log)
-        self.engine, self.reason, self.log = engine, reason, log
+    def __init__(
+        self, engine: str, reason: str, log: str, steps: tuple[PddlStep, ...] = ()
+    ) -> None:
+        super().__init__(engine, reason, log, steps)
+        self.engine, self.reason, self.log, self.steps = engine, reason, log, steps
 
     def __str__(self) -> str:
         return f"engine `{self.engine}` failed: {self.reason}"

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +24,7 @@ from cdlc.backends.engines.result import (
     EngineStatus,
     EngineUnsupported,
     PddlStep,
+    Verdict,
 )
 from cdlc.backends.engines.spelling import Spelling
 
@@ -69,9 +71,40 @@ def solve(
         "memory_limit_mb": memory_limit_mb,
     }
     ended = _asked(request, None if time_limit is None else start + time_limit)
-    status = _status(engine, ended)
     steps = _steps(ended.answer, Spelling.of(domain, problem))
+    status = _status(engine, ended, steps)
     return EngineResult(status, steps, time.monotonic() - start, engine, ended.log)
+
+
+def validate(
+    domain: str, problem: str, steps: Sequence[PddlStep], *, time_limit: float | None = None
+) -> Verdict | None:
+    """Whether a plan is one of a PDDL task, by a validator that shares no code with the emitter.
+
+    It is unified-planning's where that can read the task, else Kairos'. None after `time_limit`
+    seconds. Raises `EngineMissing` without unified-planning, `EngineUnsupported` for a task that no
+    installed validator takes, and `EngineFailed` for one that cannot be read.
+    """
+    require(_VALIDATOR)
+    request = {
+        "domain": domain,
+        "problem": problem,
+        "validate": [[step.action, *step.arguments] for step in steps],
+    }
+    ended = _asked(request, None if time_limit is None else time.monotonic() + time_limit)
+    answer = ended.answer
+    match answer["outcome"]:
+        case "timeout":
+            return None
+        case "valid" | "invalid" as outcome:
+            return Verdict(answer["by"], outcome == "valid", answer.get("reason", ""))
+        case "unsupported":
+            raise EngineUnsupported(_VALIDATOR, tuple(answer["features"]))
+        case _:
+            raise EngineFailed(_VALIDATOR, answer["reason"], ended.log)
+
+
+_VALIDATOR = "validator"
 
 
 def describe(domain: str | None = None, problem: str | None = None) -> tuple[Description, ...]:
@@ -179,7 +212,7 @@ def _log_tail(directory: Path) -> str:
         return log.read(LOG_LIMIT).decode("utf-8", "replace")
 
 
-def _status(engine: str, ended: _Ended) -> EngineStatus:
+def _status(engine: str, ended: _Ended, steps: tuple[PddlStep, ...]) -> EngineStatus:
     match ended.answer["outcome"]:
         case "missing":
             known = ", ".join(ended.answer["engines"])
@@ -189,7 +222,7 @@ def _status(engine: str, ended: _Ended) -> EngineStatus:
         case "failed" if any(sign in ended.log for sign in _OUT_OF_MEMORY):
             return EngineStatus.MEMORY
         case "failed":
-            raise EngineFailed(engine, ended.answer["reason"], ended.log)
+            raise EngineFailed(engine, ended.answer["reason"], ended.log, steps)
         case outcome:
             return EngineStatus(outcome)
 

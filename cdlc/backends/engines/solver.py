@@ -12,12 +12,19 @@ from unified_planning.engines import PlanGenerationResultStatus, ValidationResul
 from unified_planning.engines.plan_validator import SequentialPlanValidator
 from unified_planning.environment import get_environment
 from unified_planning.io import PDDLReader
-from unified_planning.plans import PlanKind
+from unified_planning.plans import ActionInstance, PlanKind, SequentialPlan
 
-from cdlc.backends.engines.direct import lacks_directly, needs_direct, solve_directly
+from cdlc.backends.engines.direct import (
+    lacks_directly,
+    needs_direct,
+    solve_directly,
+    validated_directly,
+)
 
 # An answer is JSON: {"outcome": "plan", "steps": [[action, argument...]...]}, or an outcome that is
-# another EngineStatus, or "missing" {"engines"}, "unsupported" {"features"}, "failed" {"reason"}.
+# another EngineStatus, or "missing" {"engines"}, "unsupported" {"features"}, "failed" {"reason"},
+# with "steps" for a plan that is not valid; of a validator "valid" {"by"}, "invalid" {"by",
+# "reason"}.
 Answer = dict[str, Any]
 
 _OUTCOMES = {
@@ -43,7 +50,9 @@ _PARAMETERS: Mapping[str, dict[str, Any]] = {"kairos": {"anytime": False, "timeo
 def answer(request: dict[str, Any]) -> Answer:
     """Do what a request as `run` writes it asks for; what is not foreseen is raised."""
     try:
-        return _describe(request) if "engines" in request else _solve(request)
+        if "engines" in request:
+            return _describe(request)
+        return _validate(request) if "validate" in request else _solve(request)
     except _Refused as refused:
         return refused.answer
 
@@ -172,9 +181,43 @@ def _without_plan(status: Any) -> Answer:
 def _validated(problem: Any, plan: Any) -> Answer:
     if plan.kind is not PlanKind.SEQUENTIAL_PLAN:
         plan = plan.convert_to(PlanKind.SEQUENTIAL_PLAN, problem)
-    verdict = SequentialPlanValidator().validate(problem, plan)
-    if verdict.status is not ValidationResultStatus.VALID:
-        said = " ".join(message.message for message in verdict.log_messages or ())
-        return {"outcome": "failed", "reason": f"it returned an invalid plan: {said}"}
     steps = [[step.action.name, *map(str, step.actual_parameters)] for step in plan.actions]
+    objection = _objection(problem, plan)
+    if objection is not None:
+        reason = f"it returned an invalid plan: {objection}"
+        return {"outcome": "failed", "reason": reason, "steps": steps}
     return {"outcome": "plan", "steps": steps}
+
+
+def _objection(problem: Any, plan: Any) -> str | None:
+    """Why unified-planning's validator does not take a plan; None if it does."""
+    verdict = SequentialPlanValidator().validate(problem, plan)
+    if verdict.status is ValidationResultStatus.VALID:
+        return None
+    return " ".join(message.message for message in verdict.log_messages or ())
+
+
+def _validate(request: dict[str, Any]) -> Answer:
+    """What a validator says of somebody else's plan."""
+    domain, steps = request["domain"], request["validate"]
+    if needs_direct(domain):
+        return validated_directly(domain, request["problem"], steps)
+    problem = _read(domain, request["problem"])
+    if not SequentialPlanValidator.supports(problem.kind):
+        return validated_directly(domain, request["problem"], steps)
+    by = "unified-planning"
+    actions = {action.name.lower(): action for action in problem.actions}
+    objects = {object_.name.lower(): object_ for object_ in problem.all_objects}
+    try:
+        plan = SequentialPlan(
+            [
+                ActionInstance(actions[name.lower()], [objects[a.lower()] for a in given])
+                for name, *given in steps
+            ]
+        )
+    except KeyError as error:
+        return {"outcome": "invalid", "by": by, "reason": f"the task has no {error}"}
+    objection = _objection(problem, plan)
+    if objection is None:
+        return {"outcome": "valid", "by": by}
+    return {"outcome": "invalid", "by": by, "reason": objection}

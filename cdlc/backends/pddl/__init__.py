@@ -11,6 +11,8 @@ conditions, effects, numbers, axioms, linear, defined, sexpr   formulas
 domain, problems, names                                        text
 emit        all of it in order
 plans       plans of PDDL planners as transitions of the program
+instances   the values under which a triple leads from one state to another
+inverse     plans of the runtime as plans of the emitted PDDL
 solve       planning with an engine: emit, solve, map back, replay
 """
 

@@ -38,10 +38,15 @@ class Chosen:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The part of a behavior that an action stands for, and its variables."""
+    """The part of a behavior that an action stands for, and its variables.
+
+    `order` are the variables of the triple that the parameters of the action stand for.
+    """
 
     part: Part
     variables: tuple[Chosen, ...]
+    triple: Triple
+    order: tuple[str, ...]
 
     @property
     def behavior(self) -> str:
@@ -248,7 +253,8 @@ def _source(ordered: _Ordered, parameters: list[str], parts: Mapping[str, Part])
     places = dict(zip(ordered.order, parameters, strict=True))
     form = ordered.charged.form
     variables = tuple(_chosen(v, places, form.fixed) for v in form.variables)
-    return Source(parts[ordered.triple.behavior], variables)
+    part = parts[ordered.triple.behavior]
+    return Source(part, variables, ordered.triple, ordered.order)
 
 
 def _chosen(

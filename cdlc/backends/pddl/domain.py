@@ -18,7 +18,8 @@ class Domain:
     """What the text of a domain is made of.
 
     `features` are those that PDDL keeps; `conditions` those outside of actions that the
-    requirements have to cover.
+    requirements have to cover. `predicates` and `tasks`, sections of text, are further ones, for
+    planners that decompose tasks.
     """
 
     program: Program
@@ -28,6 +29,8 @@ class Domain:
     costs: Costs
     axioms: tuple[Axiom, ...] = ()
     conditions: tuple[SExpr, ...] = ()
+    predicates: tuple[SExpr, ...] = ()
+    tasks: tuple[str, ...] = ()
 
     @property
     def tables(self) -> tuple[CostTable, ...]:
@@ -45,6 +48,7 @@ def domain_text(domain: Domain) -> str:
         *_predicates(domain),
         *_functions(domain),
         *(axiom.text(names) for axiom in domain.axioms),
+        *domain.tasks,
         *(_action(action, names) for action in domain.actions),
     ]
     return f"(define (domain {legal_name(program.name)})\n{sections(parts)})\n"
@@ -93,6 +97,10 @@ def _requirements(domain: Domain) -> Iterator[str]:
         yield ":numeric-fluents"
     if domain.costs.are_used:
         yield ":action-costs"
+    if domain.tasks:
+        yield ":hierarchy"
+    if any(":precondition" in text for text in domain.tasks):
+        yield ":method-preconditions"
 
 
 def _needs_numbers(domain: Domain) -> bool:
@@ -173,6 +181,7 @@ def _predicates(domain: Domain) -> Iterator[str]:
     features = [f for f in domain.features if not is_number(f.type)]
     lines = [printed(_declared(f, domain.names)) for f in features]
     lines += [printed(axiom.head(domain.names)) for axiom in domain.axioms]
+    lines += map(printed, domain.predicates)
     if lines:
         yield "(:predicates\n  " + "\n  ".join(lines) + ")"
 

@@ -33,6 +33,18 @@ from crow.program import Feature, Location, Program
 from crow.program.triples import Triple
 
 
+@dataclass(frozen=True, slots=True)
+class Sections:
+    """What the texts of a task are made of; `goal` and `metric` are those of the problem."""
+
+    model: Model
+    domain: Domain
+    heading: str
+    goal: SExpr | None
+    metric: SExpr | None
+    problem_heading: str = ""
+
+
 @dataclass(frozen=True)
 class PddlTask:
     """The PDDL of a program, and of a problem if there is one; `actions` lead back to behaviors.
@@ -45,6 +57,7 @@ class PddlTask:
     names: Names
     domain: str
     problem: str | None
+    sections: Sections
     is_hopeless: bool = False
     has_axioms: bool = False
 
@@ -177,11 +190,12 @@ def _task(
     heading = _heading("domain", program.name) + _renamings(renamed) + _scaling(costs)
     text = heading + domain_text(domain)
     if problem is None or goal is None:
-        return PddlTask(program, made, names, text, None, has_axioms=bool(used))
-    own = _renamings(names.changed()[len(renamed) :])
-    stated = _heading("problem", problem.name) + own + problem_text(problem, goal, domain, metric)
-    is_hopeless = goal == NEVER
-    return PddlTask(program, made, names, text, stated, is_hopeless, has_axioms=bool(used))
+        made_of = Sections(model, domain, heading, None, None)
+        return PddlTask(program, made, names, text, None, made_of, has_axioms=bool(used))
+    own = _heading("problem", problem.name) + _renamings(names.changed()[len(renamed) :])
+    made_of = Sections(model, domain, heading, goal, metric, own)
+    stated = own + problem_text(problem, goal, domain, metric)
+    return PddlTask(program, made, names, text, stated, made_of, goal == NEVER, bool(used))
 
 
 def _names(program: Program) -> Names:

@@ -1,6 +1,6 @@
 """The text of a PDDL problem: objects, initial state and goal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import groupby
 from typing import cast
 
@@ -16,8 +16,19 @@ from crow.program.types import is_number, is_object
 from crow.values import default_value
 
 
-def problem_text(problem: Problem, goal: SExpr, domain: Domain, metric: SExpr | None) -> str:
-    """The problem, without its heading; `metric` is what to minimize."""
+def problem_text(
+    problem: Problem,
+    goal: SExpr,
+    domain: Domain,
+    metric: SExpr | None,
+    facts: Iterable[SExpr] = (),
+    network: str | None = None,
+) -> str:
+    """The problem, without its heading; `metric` is what to minimize.
+
+    `facts` hold initially besides those of the program; `network` is a section of text, for
+    planners that decompose tasks.
+    """
     names = domain.names
     program, world = problem.world.program, problem.world
     constants = {c.name for c in program.constants}
@@ -27,11 +38,12 @@ def problem_text(problem: Problem, goal: SExpr, domain: Domain, metric: SExpr | 
         " ".join(map(printed, typed([(names.get("object", n), t) for n, t in group], names)))
         for group in groups
     ]
-    facts = [printed(fact) for fact in initial_facts(problem, domain)]
+    initial = [printed(fact) for fact in (*initial_facts(problem, domain), *facts)]
     parts = [
         f"(:domain {legal_name(program.name)})",
         "(:objects\n  " + "\n  ".join(lines) + ")" if lines else "(:objects)",
-        "(:init\n  " + "\n  ".join(facts) + ")" if facts else "(:init)",
+        *([] if network is None else [network]),
+        "(:init\n  " + "\n  ".join(initial) + ")" if initial else "(:init)",
         f"(:goal {clauses(conjuncts(goal))})".replace("\n    ", "\n  "),
         *([] if metric is None else [f"(:metric minimize {printed(metric)})"]),
     ]

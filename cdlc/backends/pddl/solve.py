@@ -1,6 +1,6 @@
 """Planning with a PDDL engine: emit, solve in a child process, map back, replay."""
 
-from cdlc.backends.engines import EngineStatus, solve
+from cdlc.backends.engines import EngineResult, EngineStatus, solve
 from cdlc.backends.pddl.course import Course, steps_of
 from cdlc.backends.pddl.emit import PddlTask
 from cdlc.backends.pddl.plans import PlanFormatError, PlannedTransition, to_step
@@ -40,6 +40,12 @@ def solve_task(
         time_limit=time_limit,
         memory_limit_mb=memory_limit_mb,
     )
+    return replayed(task, problem, solved)
+
+
+def replayed(task: PddlTask, problem: Problem, solved: EngineResult) -> Result:
+    """What an engine found, its plan mapped back and replayed. Raises InvalidPlan."""
+    engine = solved.engine
     statistics = {"seconds": round(solved.seconds, 3)}
     if solved.status is not EngineStatus.PLAN:
         return Result(str(solved.status), engine, statistics=statistics)

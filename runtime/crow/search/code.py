@@ -131,6 +131,8 @@ class LetOp:
 
     slot: int
     value: Compiled
+    expression: Expression
+    slots: Slots
     location: Location | None
 
 

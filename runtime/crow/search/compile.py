@@ -140,7 +140,7 @@ class _Body:
         """An instruction, with what is in scope after it."""
         match node:
             case Let(variable=variable, value=value):
-                op = code.LetOp(self.size, self.value(value, slots), node.location)
+                op = code.LetOp(self.size, self.value(value, slots), value, slots, node.location)
                 return op, self.declared((variable,), slots)
             case Bind():
                 return self.bind(node, slots)
@@ -164,7 +164,9 @@ class _Body:
             case Call(behavior=name, arguments=arguments):
                 return code.CallOp(name, self.values(arguments, slots), node.location)
             case SetLocal(variable=name, value=value):
-                return code.LetOp(slots[name], self.value(value, slots), node.location)
+                return code.LetOp(
+                    slots[name], self.value(value, slots), value, slots, node.location
+                )
             case If(condition=condition, then=then, otherwise=otherwise):
                 test = self.test(condition, slots, node.location)
                 return code.IfOp(test, self.inner(then, slots), self.inner(otherwise, slots))

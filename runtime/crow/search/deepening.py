@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 from crow.search.machine import Machine
@@ -39,11 +40,15 @@ class Search:
         self.remembered: dict[Hashable, int] = {}
         self.left_out = 0
         self.duplicates = 0
+        self.pause_at = inf
         machine.height = lambda: len(self.stack)
         machine.commit = self._commit
 
-    def round(self, depth: int) -> Iterator[Point]:
-        """The points with nothing left to do up to a depth; `left_out` says what was cut."""
+    def round(self, depth: int) -> Iterator[Point | None]:
+        """The points with nothing left to do up to a depth; `left_out` says what was cut.
+
+        None where `pause_at` nodes have been made.
+        """
         machine = self.machine
         machine.depth_limit = depth
         # What was searched through without a cut is a dead end at any depth.
@@ -51,6 +56,8 @@ class Search:
         self.stack = [Entry(None, iter((machine.start(),)))]
         while self.stack:
             self.check()
+            if machine.counters.nodes >= self.pause_at:
+                yield None
             entry = self.stack[-1]
             machine.is_cut = machine.is_hopeless = False
             point = next(entry.options, None)

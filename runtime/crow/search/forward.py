@@ -43,42 +43,42 @@ class Forward:
             self.machine.is_hopeless = True
             self.machine.counters.hopeless += 1
             return
+        hint, screen = self.machine.hint, self.machine.screen
+        hint.is_doubtful = False
         if self.machine.prunes:
-            for completed, left in self._settled(point, frame, members, focus):
-                if completed is not None:
-                    yield completed
-                if left is None:
-                    return
-                members = left
+            found = next(self._silent(point, members, focus), None)
+            if found is not None:
+                yield from self._settled(point, frame, found)
+                return
         here = _Place(self, point, frame, members)
         for path, member, is_free in walk(members, focus):
-            if isinstance(member, Open):
+            if screen.place is not None and path[0][0] != screen.place:
+                screen.has_left_out = True
+            elif isinstance(member, Open):
+                hint.place = path[0][0]
                 yield from here.open(path, member, is_free=is_free)
             elif is_free and not member.children:
+                hint.place = path[0][0]
                 yield here.completed(path, member)
 
     def _settled(
-        self, point: Point, frame: Frame, members: Members, focus: Focus | None
-    ) -> Iterator[tuple[Point | None, Members | None]]:
-        """What completes without a change of state is completed at once, or not in this way.
+        self, point: Point, frame: Frame, found: tuple[Path, Open, Test]
+    ) -> Iterator[Point]:
+        """What completes without a change of state is completed at once, or has to be refined.
 
         Completing it later leads to no other plan: nothing that comes in between needs it open.
-        Yields a point with it completed, and the members in which it has to be refined.
         """
-        while True:
-            found = next(self._silent(point, members, focus), None)
-            if found is None:
-                return
-            path, member, test = found
-            self.machine.counters.nodes += 1
-            left = replaced(self.shared, members, path, None)
-            told = point.told(("assert", test, member.values))
-            completed = told.at(self._frame(frame, left, None), None)
-            if not self._may_be_refined(member):
-                yield completed, None
-                return
-            members = replaced(self.shared, members, path, self.shared.tried(member))
-            yield completed, members
+        path, member, test = found
+        members, hint = frame.second, self.machine.hint
+        hint.place = path[0][0]
+        self.machine.counters.nodes += 1
+        left = replaced(self.shared, members, path, None)
+        told = point.told(("assert", test, member.values))
+        yield told.at(self._frame(frame, left, None), None)
+        if self._may_be_refined(member):
+            tried = replaced(self.shared, members, path, self.shared.tried(member))
+            hint.is_doubtful = True
+            yield point.at(self._frame(frame, tried, frame.third), None)
 
     def _silent(
         self, point: Point, members: Members, focus: Focus | None
@@ -93,7 +93,7 @@ class Forward:
         """Whether a condition that is true may also be achieved, which goes one deeper."""
         if isinstance(member.what, Test | Opaque):
             return False
-        return self.machine.within(member.depth + 1)
+        return self.machine.within(member.depth + self.machine.level)
 
     def _frame(self, frame: Frame, members: Members, focus: Focus | None) -> Frame:
         return self.shared.frame(Kind.MIDDLE, frame.next, frame.first, members, focus)
@@ -220,7 +220,7 @@ class _Place:
         for applied in found:
             if not is_step:
                 yield from self._refined(path, member, applied, is_free=is_free)
-            elif self.machine.within(member.depth + 1):
+            elif self.machine.within(member.depth + self.machine.level):
                 steps = self._step(member, applied)
                 yield self._opened(path, steps, _after(member), is_free=is_free)
 
@@ -228,7 +228,7 @@ class _Place:
         """A behavior on the way to a comparison, and the comparison again."""
         values, above, depth = member.values, member.application, member.depth
         first = self.shared.open(applied, values, above, depth)
-        again = self.shared.open(member.what, values, above, depth + 1)
+        again = self.shared.open(member.what, values, above, depth + self.machine.level)
         return ((first, again),)
 
     def _refined(

@@ -54,13 +54,48 @@ class Counters:
     effects: int = 0
 
 
+@dataclass(slots=True)
+class Hint:
+    """About the option of a choice in M that came last.
+
+    `place` is the chain of M it is in; `is_doubtful` says that an option before it completes a
+    member that is true, which this one leaves open.
+    """
+
+    place: int = -1
+    is_doubtful: bool = False
+
+
+Prefers = Callable[[Code, tuple[Value, ...]], bool]
+
+
+@dataclass(slots=True)
+class Screen:
+    """Which options are wanted now: in one chain of M, behaviors that are preferred."""
+
+    place: int | None = None
+    prefers: Prefers | None = None
+    has_left_out: bool = False
+
+    def begin(self, place: int | None, prefers: Prefers) -> None:
+        """Leave out options from now on."""
+        self.place, self.prefers, self.has_left_out = place, prefers, False
+
+    def end(self) -> bool:
+        """Leave out nothing any more; whether anything was."""
+        self.place = self.prefers = None
+        return self.has_left_out
+
+
 class Machine:
     """Runs points of one problem up to a depth limit.
 
-    `prunes` leaves out choices that add no plan to those that others lead to.
+    `prunes` leaves out choices that add no plan to those that others lead to. Where it does not
+    count depth, everything is at depth 0, and what differs only in depth is the same.
     """
 
-    def __init__(self, problem: Problem, *, prunes: bool = True) -> None:
+    def __init__(self, problem: Problem, *, prunes: bool = True, counts_depth: bool = True) -> None:
+        self.level = int(counts_depth)
         self.problem = problem
         self.store = Store(problem.world, problem.initial)
         self.programs = Programs(problem, self.store)
@@ -70,6 +105,8 @@ class Machine:
         self.depth_limit = 0
         self.is_cut = False
         self.is_hopeless = False
+        self.hint = Hint()
+        self.screen = Screen()
         self.counters = Counters()
         self.dead = Dead()
         self.height: Callable[[], int] = lambda: 0
@@ -230,6 +267,10 @@ class Machine:
         self, code: Code, arguments: tuple[Value, ...], above: Application, depth: int
     ) -> Application | None:
         """A behavior applied in a program of some depth, unless too deep or nested too often."""
+        screen = self.screen
+        if screen.prefers is not None and not screen.prefers(code, arguments):
+            screen.has_left_out = True
+            return None
         nested = above.nested
         if code.max_nested is not None:
             name = code.behavior.name
@@ -243,7 +284,7 @@ class Machine:
             self.counters.cut_by_depth += 1
             return None
         self.counters.nodes += 1
-        return self.shared.application(code, arguments, depth + 1, nested)
+        return self.shared.application(code, arguments, depth + self.level, nested)
 
     def context(self, application: Application) -> Context:
         """Where the body of an application begins."""
@@ -339,9 +380,10 @@ class Machine:
             self.dead.note(point, "no behavior achieves it", atom.test, values)
         after = following
         if is_step:
-            if not self.within(depth + 1):
+            below = depth + self.level
+            if not self.within(below):
                 return
-            after = self.shared.frame(Kind.ACHIEVE, following, atom, values, (above, depth + 1))
+            after = self.shared.frame(Kind.ACHIEVE, following, atom, values, (above, below))
         for code, arguments in found:
             begun = self.applied(point, code, arguments, above, depth, after)
             if begun is not None:

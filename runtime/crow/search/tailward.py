@@ -172,11 +172,11 @@ class _Last:
         for code, arguments in found:
             if not is_step:
                 yield from self._applied(code, arguments, member)
-            elif self.machine.within(member.depth + 1):
+            elif self.machine.within(member.depth + self.machine.level):
                 above, depth = member.application, member.depth
                 applied = (code, arguments)
                 first = self.shared.open(applied, values, above, depth)
-                again = self.shared.open(atom, values, above, depth + 1)
+                again = self.shared.open(atom, values, above, depth + self.machine.level)
                 after = () if member.after is None else ((member.after, member.values),)
                 yield self._with((*self.left, (first, again)), *after)
 

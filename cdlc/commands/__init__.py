@@ -1,0 +1,7 @@
+"""What each subcommand does: options to driver calls, output and an exit status (interface.md).
+
+programs    check, compile, verify, fmt, import, explain
+planning    plan, validate, simulate, engines
+crosscheck  crosscheck
+shared      exit statuses, diagnostics, what several of them need
+"""

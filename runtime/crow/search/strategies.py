@@ -1,0 +1,189 @@
+"""Strategies over the points of the CROW engine: best-first search, and both by turns."""
+
+from collections.abc import Callable, Iterator
+from itertools import count
+from math import inf
+from typing import Any, Final, Protocol
+
+from crow.problem import Problem
+from crow.search.best import BestFirst
+from crow.search.engine import CrowEngine, Found
+from crow.search.explain import explanation
+from crow.search.machine import Machine
+from crow.search.plans import plan_of
+
+FIRST_TURN: Final = 850
+"""The nodes of the first turn of `auto`; each next one has twice as many."""
+
+SHARE: Final = 5
+"""How many times as long the turns of best-first search are."""
+
+Check = Callable[[int], None]
+
+
+class Rounds(Protocol):
+    """An engine that searches up to a depth."""
+
+    def round(self, depth: int) -> Iterator[Found | None]:
+        """The plans up to a depth, some more than once. Raises Stopped."""
+
+    def left_out(self) -> tuple[str, ...]:
+        """What the last round left out: `depth` first, if deeper refinements are."""
+
+    def statistics(self) -> dict[str, Any]:
+        """Figures so far."""
+
+    def explanation(self) -> str | None:
+        """What failed, farthest on the way to the goal."""
+
+
+class Deepening:
+    """Iterative deepening: rounds, each a level deeper."""
+
+    def __init__(self, engine: Rounds, depth_limit: int | None) -> None:
+        self.engine = engine
+        self.depth_limit = depth_limit
+        self.depth = 0
+        self._left_out: tuple[str, ...] = ()
+
+    def plans(self) -> Iterator[Found | None]:
+        """Plans, some more than once; None where the search has paused."""
+        for depth in count():
+            if self.depth_limit is not None and depth > self.depth_limit:
+                self._left_out = ("depth",)
+                return
+            self.depth = depth
+            yield from self.engine.round(depth)
+            self._left_out = self.engine.left_out()
+            if self._left_out[:1] != ("depth",):
+                return
+
+    def left_out(self) -> tuple[str, ...]:
+        """What was left out in the end."""
+        return self._left_out
+
+    def statistics(self) -> dict[str, Any]:
+        """Figures so far."""
+        return {"depth": self.depth, **self.engine.statistics()}
+
+    def explanation(self) -> str | None:
+        """What failed, farthest on the way to the goal."""
+        return self.engine.explanation()
+
+
+class Best:
+    """Best-first search. Depth is counted only where it is limited."""
+
+    def __init__(
+        self, problem: Problem, check: Check, depth_limit: int | None, heuristic: str
+    ) -> None:
+        self.problem = problem
+        self.machine = machine = Machine(problem, counts_depth=depth_limit is not None)
+        machine.protects = False
+        machine.depth_limit = 1 if depth_limit is None else depth_limit
+        self.search = BestFirst(machine, lambda: check(machine.counters.nodes), heuristic)
+
+    def plans(self) -> Iterator[Found | None]:
+        """Plans, not all of them; None where the search has paused."""
+        for point in self.search.points():
+            yield None if point is None else plan_of(self.problem.world, point)
+
+    def left_out(self) -> tuple[str, ...]:
+        """What was left out in the end."""
+        cut = {"depth": self.machine.is_cut, "commit": self.search.is_cut_by_commit}
+        return tuple(name for name, is_cut in cut.items() if is_cut)
+
+    def pause(self, nodes: float) -> None:
+        """Pause after so many nodes more."""
+        self.search.pause_at = self.machine.counters.nodes + nodes
+
+    def statistics(self) -> dict[str, Any]:
+        """Figures so far."""
+        counters, search = self.machine.counters, self.search
+        return {
+            "nodes": counters.nodes,
+            "effects": counters.effects,
+            "states": len(self.machine.store.known),
+            "evaluations": search.guiding.evaluations,
+            "pruned": {"depth": counters.cut_by_depth, "duplicates": search.duplicates},
+        }
+
+    def explanation(self) -> str | None:
+        """What failed, farthest on the way to the goal."""
+        return explanation(self.machine)
+
+
+class Auto:
+    """Deepening and best-first search by turns, each turn twice as long as the one before.
+
+    So it finds a plan wherever deepening does, for at most some twelve times its nodes. Only
+    deepening enumerates all plans: its end is the end, unless best-first search has shown that
+    there is no plan at all.
+    """
+
+    def __init__(
+        self, problem: Problem, check: Check, depth_limit: int | None, heuristic: str
+    ) -> None:
+        self.check = check
+        self.problem = problem
+        self.depth_limit = depth_limit
+        self.heuristic = heuristic
+        self.crow = CrowEngine(problem, self._check)
+        self.deepening = Deepening(self.crow, depth_limit)
+        self.best: Best | None = None
+        self.ended: Deepening | Best = self.deepening
+
+    def _check(self, _nodes: int) -> None:
+        others = 0 if self.best is None else self.best.machine.counters.nodes
+        self.check(self.crow.machine.counters.nodes + others)
+
+    def plans(self) -> Iterator[Found | None]:
+        """Plans, some more than once."""
+        turn: float = FIRST_TURN
+        deepening, best = self.deepening.plans(), None
+        has_found = False
+        while True:
+            self.crow.search.pause_at = self.crow.machine.counters.nodes + turn
+            found: Found | None
+            for found in deepening:
+                if found is None:
+                    break
+                has_found = True
+                yield found
+            else:
+                return
+            if best is None and self.best is None:
+                self.best = Best(self.problem, self._check, self.depth_limit, self.heuristic)
+                best = self.best.plans()
+            if best is not None:
+                assert self.best is not None
+                self.best.pause(turn * SHARE)
+                for found in best:
+                    if found is None:
+                        break
+                    has_found = True
+                    yield found
+                else:
+                    best = None
+                    if not has_found and not self.best.left_out():
+                        self.ended = self.best
+                        return
+            turn = turn * 2 if best is not None else inf
+
+    def left_out(self) -> tuple[str, ...]:
+        """What was left out in the end."""
+        return self.ended.left_out()
+
+    def statistics(self) -> dict[str, Any]:
+        """Figures so far, of both searches together."""
+        told = self.deepening.statistics()
+        if self.best is None:
+            return told
+        other = self.best.statistics()
+        pruned = {k: v + other["pruned"].get(k, 0) for k, v in told["pruned"].items()}
+        both = {k: told[k] + other[k] for k in ("nodes", "effects", "states")}
+        return {**told, **both, "evaluations": other["evaluations"], "pruned": pruned}
+
+    def explanation(self) -> str | None:
+        """What failed, farthest on the way to the goal."""
+        return self.deepening.explanation() or (self.best.explanation() if self.best else None)
