@@ -1,8 +1,9 @@
 """One behavior applied as a transition: its preconditions, controller calls and effect (§2.2).
 
 This is what a planner's step does; whether the program would ever choose the step is not asked. An
-`achieve` is the condition it names, and in a behavior with an effect of its own every condition
-must still hold at the next `do` and at the effect (semantics.md §2).
+`achieve` is the condition it names, `achieve_once` is none, as in its Hoare triple, and in a
+behavior with an effect of its own every condition must still hold at the next `do` and at the
+effect (semantics.md §2).
 """
 
 from collections import ChainMap
@@ -140,8 +141,10 @@ class _Application:
             case Assert(condition=condition):
                 is_held = self.values.isdisjoint(free_variables(condition))
                 self._require(condition, node.location, is_held=is_held)
-            case Achieve(condition=condition, once=once):
-                self._require(condition, node.location, is_held=not once)
+            case Achieve(once=True):
+                return  # what it brings about may be gone again when the transition happens
+            case Achieve(condition=condition):
+                self._require(condition, node.location)
             case Bind():
                 self._bind(node)
             case Do():

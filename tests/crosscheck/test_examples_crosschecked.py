@@ -21,15 +21,8 @@ OTHERS = [
     for domain in ("blocks_as_printed", "blocks_strips")
     for problem in ("sussman", "reverse5")
 ]
-# What the program itself does not plan in a few seconds yet: to be emptied. A planner's plan is
-# still found and replayed there.
-OPEN = {
-    "jugs/four",
-    "logistics/parcel",
-    "blocks/towers12",
-    "blocks/blocks_as_printed reverse5",
-}
-PATIENT, HASTY = Settings(time_limit=60), Settings(time_limit=8)
+# Some minutes of a busy machine: what is compared is the answers, not the times.
+PATIENT = Settings(time_limit=120)
 
 
 def name_of(files: tuple[Path, ...]) -> str:
@@ -42,15 +35,10 @@ CASES = {name_of(files): files for files in [*((f,) for f in PROBLEMS), *OTHERS]
 
 @pytest.mark.parametrize("case", CASES)
 def test_examples_agree(case: str) -> None:
-    (found,) = compared(*CASES[case], settings=HASTY if case in OPEN else PATIENT)
-    expected = {Outcome.AGREE_PLAN}
-    if case in OPEN:
-        expected.add(Outcome.INCONCLUSIVE)
-        assert found.planner is not None
-        assert found.planner.status == "plan"
-    assert found.outcome in expected, found.reason
+    (found,) = compared(*CASES[case], settings=PATIENT)
+    assert found.outcome is Outcome.AGREE_PLAN, found.reason
 
 
-def test_what_is_open_is_an_example() -> None:
-    assert set(CASES) >= OPEN
+def test_every_example_has_a_problem() -> None:
     assert len(CASES) >= 14
+    assert {path.parent for path in PROBLEMS} == set(EXAMPLES.iterdir())

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from cdlc.backends.pddl.sexpr import NotPddl
-from cdlc.backends.pddl.straight import EFFECT, Body, acts, effect_of, straight_bodies
+from cdlc.backends.pddl.straight import EFFECT, Body, acts, effect_of, has_choice, straight_bodies
 from cdlc.ir.behaviors import achieved_in, applied_for, disturbed, parts_of
 from crow.program import (
     BOOL,
@@ -126,7 +126,10 @@ def phases(program: Program, behavior: Behavior) -> tuple[Phase, ...]:
     """
     bodies = straight_bodies(program, behavior)
     stretches = [_stretches(program, behavior, body) for body in bodies]
-    if len(bodies) == 1 and len(stretches[0]) == 1 and not _has_unfolded(bodies[0]):
+    is_straight = (
+        len(bodies) == 1 and not _has_unfolded(bodies[0]) and not has_choice(behavior.body)
+    )
+    if is_straight and len(stretches[0]) == 1:
         return (Phase(behavior, behavior),)
     for stretch in (s for way in stretches for s in way[1:]):
         if behavior in applied_for(program, achieved_in(program, tuple(stretch))):

@@ -71,6 +71,12 @@ def acts(statement: Statement) -> bool:
     return any(isinstance(s, Do | Call) for s in statements_within((statement,)))
 
 
+def has_choice(statements: Body) -> bool:
+    """Whether statements have an `alternative` among them, if only of one statement."""
+    within = statements_within(statements)
+    return any(isinstance(s, Group) and s.order == "alternative" for s in within)
+
+
 @dataclass(slots=True)
 class _Scope:
     """What the names of a block stand for, where that is another name."""
@@ -110,6 +116,8 @@ class _Straightening:
             case Group(order="unordered", body=body) if self._order_matters(body):
                 for ordered in _orders([_chain(part) for part in body]):
                     yield from self.ways(ordered)
+            case Group(body=body) if has_choice(body):
+                yield from self.ways(body)
             case _:
                 yield (node,)
 

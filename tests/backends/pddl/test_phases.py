@@ -123,6 +123,7 @@ SPLIT = ["open_door'1", "open_door'2 after open_door'1"]
         (LET, "place[] = start", SPLIT),
         (f"{LET}assert start != r\n", "", SPLIT),
         ("sequential:\n  do unlock(d)\n  achieve tired()", "", SPLIT),
+        ("alternative:\n  do unlock(d)", "", ["open_door'1"]),
         ("alternative:\n  do unlock(d)\n  do push(d)", "", ["open_door'1", "open_door'2"]),
         ("unordered:\n  do unlock(d)\n  do push(d)", "", ["open_door"]),
         (
