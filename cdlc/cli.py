@@ -148,6 +148,9 @@ def _compile_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--strict", action="store_true", help="treat what planners would see otherwise as an error"
     )
+    command.add_argument(
+        "--verbose", action="store_true", help="with --emit pddl: say which methods are no actions"
+    )
 
 
 def _functions(command: argparse.ArgumentParser) -> None:

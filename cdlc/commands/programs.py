@@ -62,6 +62,9 @@ def compile_(options: argparse.Namespace) -> int:
         return INPUT_ERRORS
     texts = _emitted(options, compilation)
     warn(options, compilation)
+    if options.verbose and options.emit == "pddl":
+        for method in compilation.pddl.unseen_methods:
+            print(f"note: `{method}` is a method, which planners need not see", file=sys.stderr)
     if options.strict and any(d.code in _STRICT for d in compilation.found):
         return INPUT_ERRORS
     if options.output is None:

@@ -66,6 +66,13 @@ class PddlTask:
         """Actions by lower-cased PDDL name."""
         return {action.name.lower(): action for action in self.actions}
 
+    @property
+    def unseen_methods(self) -> tuple[str, ...]:
+        """The methods that are no action: what they run changes nothing by itself."""
+        seen = {source.behavior for action in self.actions for source in action.sources}
+        methods = (b.name for b in self.program.behaviors if b.effect is None)
+        return tuple(name for name in methods if name not in seen)
+
 
 @dataclass(frozen=True, slots=True)
 class Emission:

@@ -174,3 +174,16 @@ def test_what_no_effect_describes_is_a_warning_and_no_plan(tmp_path: Path) -> No
     planned = cdlc("plan", problem, *PDDL)
     assert planned.status == 1
     assert "error[not-in-pddl]: `beep`, which `warn` runs" in planned.err
+
+
+def test_verbose_names_the_methods_that_are_no_action(tmp_path: Path) -> None:
+    ready = "behavior ready(x: item):\n  goal: busy()\n  body:\n    achieve held(x)\n"
+    domain = tmp_path / "domain.cdl"
+    domain.write_text(HEAD.replace("controller beep()\n", "") + dedent(FETCH) + ready)
+    quiet = cdlc("compile", domain, "--emit", "pddl")
+    told = cdlc("compile", domain, "--emit", "pddl", "--verbose")
+    assert told.out == quiet.out
+    assert "note:" not in quiet.err
+    assert [line for line in told.err.splitlines() if line.startswith("note:")] == [
+        "note: `ready` is a method, which planners need not see"
+    ]
