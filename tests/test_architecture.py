@@ -3,6 +3,7 @@
 import ast
 import re
 import subprocess
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
@@ -153,6 +154,12 @@ def test_the_folders_are_those_the_rules_name() -> None:
         f"cdlc.{p.name}" for p in PACKAGES["cdlc"].iterdir() if (p / "__init__.py").is_file()
     }
     assert folders <= set(MAY_IMPORT)
+
+
+def test_files_of_tests_have_names_of_their_own() -> None:
+    """pytest imports them by their names alone."""
+    names = Counter(path.name for path in Path(__file__).parent.rglob("*.py"))
+    assert {name for name, count in names.items() if count > 1} == set()
 
 
 # ------------------------------------------------------------------------------------------- sizes
