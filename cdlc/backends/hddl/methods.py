@@ -312,7 +312,7 @@ class ProgramTasks:
                 raise NotPddl(construct, behavior.location, _ONE_PHASE)
         names = _names(behavior.parameters)
         for way in ways_of(behavior, rules):
-            for last in own if has_action else [None]:
+            for last in _ending(way, own, behavior) if has_action else [None]:
                 body = Body(
                     self,
                     behavior,
@@ -407,6 +407,20 @@ class ProgramTasks:
 
 
 _ONE_PHASE = "move the `achieve` before the first `do`, or what follows to another behavior"
+
+
+def _ending(
+    way: Block, own: Sequence[tuple[Action, Source]], behavior: Behavior
+) -> list[tuple[Action, Source]]:
+    """The actions that a way through a body may end with: those of the same controller calls."""
+    calls = _calls(way)
+    every = _calls(behavior.body)
+    return [last for last in own if _calls(last[1].part.behavior.body) & every == calls]
+
+
+def _calls(statements: Block) -> set[object]:
+    """Where the controller calls of some statements stand."""
+    return {s.location for s in statements_within(statements) if isinstance(s, Do)}
 
 
 def _goal(goal: Expression) -> Literal:

@@ -209,6 +209,25 @@ def test_an_alternative_is_a_method_each_and_a_comparison_of_two_values_too() ->
     assert ":precondition (and (at ?x ?value)) :ordered-subtasks (and (achieve-inside ?x" in inside
 
 
+def test_each_alternative_ends_with_its_own_action() -> None:
+    text = domain_of("""
+    behavior fill(x: box):
+      goal: full(x)
+      body:
+        alternative:
+          do lift(x)
+          sequential:
+            assert red(x)
+            do tip(x)
+      eff:
+        full[x] = True
+    """)
+    assert ":subtasks (and (fill ?x))" in section(text, "method", "fill-2").replace("ordered-", "")
+    assert "fill-way" not in text
+    tips = re.findall(r"\(tip \?x\)", text)
+    assert len(tips) == 1, text
+
+
 def test_methods_of_controllers_with_effects_run_their_actions() -> None:
     text = domain_of("""
     controller close(x: box):
