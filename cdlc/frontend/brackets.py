@@ -76,7 +76,8 @@ def _ends_brackets(tokens: list[Token], index: int) -> bool:
         return False
     following = tokens[index + 1]
     if kind in _SECTIONS:
-        return following.type == "COLON" and _ends_its_line(tokens, index + 2)
+        is_header = following.type == "COLON" and _ends_its_line(tokens, index + 2)
+        return is_header and not _is_parameter(tokens, index)
     if kind in _TITLES:
         return following.type == "STRING"
     return kind in _DEFINITIONS and _is_before_name(tokens, index + 1)
@@ -92,6 +93,13 @@ def _is_before_name(tokens: list[Token], index: int) -> bool:
             return kind == "NAME"
         index += 1
     return False
+
+
+def _is_parameter(tokens: list[Token], index: int) -> bool:
+    """Whether a name is called for before a token that starts a line: `f(x: t,` or `f(`."""
+    while index > 0 and tokens[index - 1].type == "LINE_END":
+        index -= 1
+    return index > 0 and tokens[index - 1].type in ("COMMA", *OPENING)
 
 
 def _ends_its_line(tokens: list[Token], index: int) -> bool:

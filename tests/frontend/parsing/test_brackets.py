@@ -35,3 +35,9 @@ def test_names_that_are_keywords_elsewhere_stand_in_brackets(line: str) -> None:
 )
 def test_definitions_show_that_a_bracket_was_left_open(line: str) -> None:
     assert codes(f"goal: (\n{line}\n") == ["unclosed-bracket"]
+
+
+def test_a_parameter_called_as_a_section_is_no_header() -> None:
+    assert codes("feature f(a,\n  goal:\n  a)\n") == []
+    assert codes("feature f(\n  body:\n  a\n)\n") == []
+    assert codes("behavior b(x: a):\n  goal: f(x\n  body:\n    pass\n") == ["unclosed-bracket"]
