@@ -28,6 +28,17 @@ def body_of(behavior: Behavior) -> tuple[Statement, ...]:
     return (*behavior.left, *members, *behavior.right)
 
 
+def called_by_transitions(program: Program) -> set[str]:
+    """The behaviors that those with an effect call: what they run is part of their callers."""
+    return {
+        statement.behavior
+        for behavior in program.behaviors
+        if behavior.effect is not None
+        for statement in statements_within(body_of(behavior))
+        if isinstance(statement, Call)
+    }
+
+
 def statements_of(program: Program) -> Iterator[Statement]:
     """Every statement of a program, nested ones too."""
     for function in program.functions:

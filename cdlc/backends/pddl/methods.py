@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from cdlc.backends.pddl.sexpr import NotPddl
+from cdlc.ir.behaviors import called_by_transitions
 from crow.program import (
     Achieve,
     And,
@@ -55,13 +56,7 @@ def method_steps(program: Program, method: Behavior) -> tuple[Behavior, ...]:
 def unmodelled_calls(program: Program) -> Iterator[tuple[Behavior, Do]]:
     """The calls, in methods, of controllers whose effect nothing describes."""
     silent = {c.name for c in program.controllers if c.effect is None}
-    called = {
-        statement.behavior
-        for behavior in program.behaviors
-        if behavior.effect is not None
-        for statement in statements_within(behavior.body)
-        if isinstance(statement, Call)
-    }
+    called = called_by_transitions(program)
     for behavior in program.behaviors:
         # A method that is only called has its calls in the transitions of its callers.
         is_part = behavior.goal is None and behavior.name in called

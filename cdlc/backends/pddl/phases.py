@@ -8,7 +8,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from cdlc.backends.pddl.sexpr import NotPddl
-from cdlc.backends.pddl.straight import EFFECT, Body, acts, effect_of, has_choice, straight_bodies
+from cdlc.backends.pddl.straight import (
+    EFFECT,
+    Body,
+    acts,
+    declared,
+    effect_of,
+    has_choice,
+    straight_bodies,
+)
 from cdlc.ir.behaviors import achieved_in, applied_for, disturbed, parts_of
 from crow.program import (
     BOOL,
@@ -233,7 +241,7 @@ def _phases(
     locals_ = frozenset(lets)
     for number, stretch in enumerate(way, 1):
         name = f"{behavior.name}'{before + number}"
-        known += [v for statement in stretch for v in _declared(statement)]
+        known += [v for statement in stretch for v in declared(statement)]
         rest = [s for later in way[number:] for s in later]
         gives = None if number == len(way) else _open(name, behavior, known, locals_, rest)
         parameters = behavior.parameters if needs is None else needs.all
@@ -265,16 +273,6 @@ def _open(
     parameters = tuple(variables)
     kept = tuple((v, Feature(f"{name}-{v.name}", parameters, v.type)) for v in values)
     return Open(Feature(name, parameters, BOOL), parameters, kept, locals_)
-
-
-def _declared(statement: Statement) -> tuple[Parameter, ...]:
-    match statement:
-        case Let(variable=variable):
-            return (variable,)
-        case Bind(variables=variables):
-            return variables
-        case _:
-            return ()
 
 
 def _has_unfolded(body: Iterable[Statement]) -> bool:

@@ -60,8 +60,8 @@ def effect_of(behavior: Behavior) -> Behavior:
     """
     effect = behavior.effect or ()
     named = {part.name for part in parts_of(effect) if isinstance(part, Variable)}
-    declared = [v for statement in behavior.body for v in _declared(statement)]
-    unique = {p.name: p for p in (*behavior.parameters, *declared) if p.name in named}
+    own = [v for statement in behavior.body for v in declared(statement)]
+    unique = {p.name: p for p in (*behavior.parameters, *own) if p.name in named}
     name = behavior.name + EFFECT
     return Behavior(name, tuple(unique.values()), None, (), None, (), effect)
 
@@ -226,7 +226,8 @@ def _orders(chains: list[Body]) -> Iterator[Body]:
             yield (chain[0], *after)
 
 
-def _declared(statement: Statement) -> tuple[Parameter, ...]:
+def declared(statement: Statement) -> tuple[Parameter, ...]:
+    """The variables that a statement adds to its block."""
     match statement:
         case Let(variable=variable):
             return (variable,)

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 
 from cdlc.diagnostics import Collector
-from cdlc.ir.behaviors import body_of
+from cdlc.ir.behaviors import body_of, called_by_transitions
 from cdlc.ir.errors import UnmodelledController
 from cdlc.ir.lints.subject import Subject
-from crow.program import Call, Do, Program
+from crow.program import Do, Program
 from crow.program.walk import statements_within
 
 
@@ -33,13 +33,7 @@ def unmodelled_controllers(subject: Subject, found: Collector) -> None:
 def unmodelled_calls(program: Program) -> Iterator[Do]:
     """The first call of each controller without `eff` that no behavior with an effect runs."""
     modelled = {c.name for c in program.controllers if c.effect is not None}
-    called = {
-        statement.behavior
-        for behavior in program.behaviors
-        if behavior.effect is not None
-        for statement in statements_within(body_of(behavior))
-        if isinstance(statement, Call)
-    }
+    called = called_by_transitions(program)
     for behavior in program.behaviors:
         if behavior.effect is not None or behavior.name in called:
             inside = statements_within(body_of(behavior))

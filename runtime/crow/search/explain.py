@@ -6,8 +6,8 @@ from crow.evaluate import shown_cell
 from crow.program import Read, Variable
 from crow.program.expressions import Expression, Object
 from crow.program.walk import subexpressions
+from crow.search.expressions import names_of
 from crow.search.machine import Machine
-from crow.search.plans import variables
 from crow.text import expression_text
 
 _MOST_FACTS = 8
@@ -19,7 +19,7 @@ def explanation(machine: Machine) -> str | None:
     if dead.test is None or dead.state is None:
         return None
     condition = dead.test.condition
-    names = variables(dead.test.slots, dead.values)
+    names = names_of(dead.test.slots, dead.values)
     where = f" at {dead.test.location}" if dead.test.location is not None else ""
     used = {p.name: names[p.name] for p in subexpressions(condition)
             if isinstance(p, Variable) and p.name in names}  # fmt: skip

@@ -182,3 +182,8 @@ def _unset(cell: Cell, location: Location | None) -> Value:
 def slots_of(parameters: tuple[Parameter, ...]) -> dict[str, int]:
     """The slots of a behavior's or controller's parameters."""
     return {p.name: i for i, p in enumerate(parameters)}
+
+
+def names_of(slots: Slots, values: Environment) -> dict[str, Value]:
+    """The variables in scope that have a value, by name."""
+    return {name: values[slot] for name, slot in slots.items() if values[slot] is not None}

@@ -5,7 +5,7 @@ from typing import Any
 from crow.plan import Step
 from crow.problem import World
 from crow.search.code import DoOp, Test
-from crow.search.expressions import Environment, Slots
+from crow.search.expressions import Environment, names_of
 from crow.search.frames import Application, Context
 from crow.search.points import Point, Trail
 from crow.text import expression_text
@@ -16,14 +16,9 @@ Call = tuple[int, DoOp, tuple[Value, ...]]
 """The number of a step, its controller and the arguments."""
 
 
-def variables(slots: Slots, values: Environment) -> dict[str, Value]:
-    """The variables in scope that have a value."""
-    return {name: values[slot] for name, slot in slots.items() if values[slot] is not None}
-
-
 def assert_item(test: Test, values: Environment) -> AssertItem:
     """An assertion as it stands in a trace."""
-    known = variables(test.slots, values)
+    known = names_of(test.slots, values)
     return AssertItem(test.condition, known, expression_text(test.condition), test.location)
 
 
@@ -78,7 +73,7 @@ def _items(world: World, event: Any) -> tuple[TraceItem, ...]:
         case ("eff", Context(application=application, values=values)):
             assert application.code is not None
             code, behavior = application.code, application.code.behavior
-            own = variables(code.effect_slots, values)
+            own = names_of(code.effect_slots, values)
             body = behavior.effect or ()
             return (EffItem(behavior.name, body, behavior.parameters, own, behavior.location),)
         case _:

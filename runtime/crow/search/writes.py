@@ -99,7 +99,7 @@ class Writers:
     def body(self, statements: tuple[Statement, ...], names: Names, depth: int) -> Writes:
         """What statements may write whose achieves may be refined `depth` levels down."""
         found: dict[str, set[tuple[Pattern, bool | None]]] = {}
-        hidden = _declared(statements)
+        hidden = declared(statements)
         known = {name: value for name, value in names.items() if name not in hidden}
         for statement in statements_within(statements):
             match statement:
@@ -121,7 +121,7 @@ class Writers:
     def effect(self, statements: tuple[Statement, ...], names: Names) -> Writes:
         """What an effect may write."""
         found: dict[str, set[tuple[Pattern, bool | None]]] = {}
-        hidden = _declared(statements)
+        hidden = declared(statements)
         known = {name: value for name, value in names.items() if name not in hidden}
         for statement in statements_within(statements):
             if isinstance(statement, Assign):
@@ -201,7 +201,7 @@ def _known(argument: Expression, names: Names) -> Value:
             return None
 
 
-def _declared(statements: tuple[Statement, ...]) -> set[str]:
+def declared(statements: tuple[Statement, ...]) -> set[str]:
     """The variables that statements declare or assign, which may hide others of their name."""
     found = set()
     for statement in statements_within(statements):

@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from programs import problem_of
+from small_domains import COMMITTED
 from support import BLOCKS
 
 import crow
@@ -306,23 +307,11 @@ def test_a_comparison_no_goal_is_may_be_reached_in_steps(engine: str) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_commit_keeps_the_first_way_through_its_section(engine: str) -> None:
-    domain = """
-behavior m():
-  goal: r()
-  body:
-    bind x: T
-    do c(x)
-    commit
-    assert q(x)
-    do d()
-  eff:
-    r[...] = True
-"""
-    committed = problem(domain, "r()", "q[b] = True")
+    committed = problem(COMMITTED, "r()", "q[b] = True")
     result = crow.plan(committed, engine)
     assert isinstance(result, crow.LimitReached)
     assert result.limits == ("commit",)
-    free = problem(domain.replace("    commit\n", ""), "r()", "q[b] = True")
+    free = problem(COMMITTED.replace("    commit\n", ""), "r()", "q[b] = True")
     assert calls(crow.plan(free, engine)) == ["c(b)", "d()"]
 
 

@@ -2,6 +2,7 @@
 
 import pytest
 from programs import problem_of
+from small_domains import COMMITTED
 from support import EXAMPLES
 
 import crow
@@ -75,20 +76,6 @@ behavior go(x: T):
 def test_a_goal_below_itself_without_end_keeps_no_plan_from_being_found() -> None:
     other = "behavior direct(x: T):\n  goal: p(x)\n  body:\n    do c(x)\n  eff: p[x] = True\n"
     assert calls(crow.plan(problem(RECURSIVE + other, "p(a)"), "best", node_limit=1_000))
-
-
-COMMITTED = """
-behavior m():
-  goal: r()
-  body:
-    bind x: T
-    do c(x)
-    commit
-    assert q(x)
-    do d()
-  eff:
-    r[...] = True
-"""
 
 
 def test_best_commits_to_the_way_it_prefers() -> None:

@@ -34,11 +34,12 @@ from crow.search.code import (
     Wanted,
 )
 from crow.search.compile import Programs
-from crow.search.expressions import Environment, Slots
+from crow.search.expressions import Environment, names_of
 from crow.search.members import with_slots
 from crow.search.relaxed.conditions import Conditions, Names
 from crow.search.relaxed.facts import Made, Needs, Operator, Task, Write
 from crow.search.states import Snapshot
+from crow.search.writes import declared
 from crow.values import Value
 
 MOST_BRANCHES = 500
@@ -292,7 +293,7 @@ class Operators:
 
     def _writes(self, statements: tuple[Statement, ...], names: Names) -> tuple[Write, ...]:
         """What an effect may write."""
-        hidden = _declared(statements)
+        hidden = declared(statements)
         known = {name: value for name, value in names.items() if name not in hidden}
         top = {id(s) for s in statements}
         found = []
@@ -311,18 +312,3 @@ def _holds(holds: object, state: Snapshot, values: Environment) -> bool:
         return bool(holds(state, values))  # type: ignore[operator]
     except EvaluationError:
         return False
-
-
-def names_of(slots: Slots, values: Environment) -> dict[str, Value]:
-    """The variables that have a value."""
-    return {name: values[slot] for name, slot in slots.items() if values[slot] is not None}
-
-
-def _declared(statements: tuple[Statement, ...]) -> set[str]:
-    found = set()
-    for statement in statements_within(statements):
-        found |= {v.name for v in getattr(statement, "variables", ())}
-        variable = getattr(statement, "variable", None)
-        if variable is not None:
-            found.add(variable if isinstance(variable, str) else variable.name)
-    return found

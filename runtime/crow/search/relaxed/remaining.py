@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from crow.search.code import AllOf, Atom, Block, CallOp, Code, OneOf, Opaque, Test
-from crow.search.expressions import Environment
+from crow.search.expressions import Environment, names_of
 from crow.search.frames import Context, Frame, Held, Kind, Member, Members, Nested, Open, Refined
 from crow.search.relaxed.facts import Task
-from crow.search.relaxed.operators import LATER, Operators, names_of
+from crow.search.relaxed.operators import LATER, Operators
 from crow.search.states import Snapshot
 
 
