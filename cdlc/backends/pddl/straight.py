@@ -4,7 +4,7 @@ A planner's step is one way through a body, so each way is looked at, and carrie
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from itertools import islice, permutations
 from typing import Any, Final, cast
 
@@ -42,7 +42,7 @@ def straight_bodies(program: Program, behavior: Behavior) -> tuple[Body, ...]:
     members = behavior.promotable
     middle = () if members is None else (Group(members.order, members.members),)
     walk = _Straightening(program, behavior)
-    body = walk.renamed((*behavior.left, *middle, *behavior.right), _Scope())
+    body = walk.renamed((*behavior.left, *middle, *behavior.right), {})
     found = tuple(islice(walk.ways(body), MAX_TRIPLES + 1))
     if len(found) > MAX_TRIPLES:
         construct = f"`{behavior.name}`, with more than {MAX_TRIPLES} ways through its body,"
@@ -77,11 +77,8 @@ def has_choice(statements: Body) -> bool:
     return any(isinstance(s, Group) and s.order == "alternative" for s in within)
 
 
-@dataclass(slots=True)
-class _Scope:
-    """What the names of a block stand for, where that is another name."""
-
-    names: dict[str, Expression] = field(default_factory=dict)
+Scope = dict[str, Expression]
+"""What the names of a block stand for, where that is another name."""
 
 
 @dataclass
@@ -137,44 +134,44 @@ class _Straightening:
 
     # -------------------------------------------------------------------------------------- names
 
-    def renamed(self, statements: Body, scope: _Scope) -> Body:
+    def renamed(self, statements: Body, scope: Scope) -> Body:
         """Statements with a name of its own for everything they declare, calls unfolded."""
         return tuple(self._renamed(statement, scope) for statement in statements)
 
-    def _renamed(self, node: Statement, scope: _Scope) -> Statement:
+    def _renamed(self, node: Statement, scope: Scope) -> Statement:
         match node:
             case Let(variable=variable, value=value):
-                value = substitute(value, scope.names)
+                value = substitute(value, scope)
                 return replace(node, variable=self._local(variable, scope), value=value)
             case SetLocal(variable=name, value=value):
-                now = scope.names.get(name)
+                now = scope.get(name)
                 new = now.name if isinstance(now, Variable) else name
-                return replace(node, variable=new, value=substitute(value, scope.names))
+                return replace(node, variable=new, value=substitute(value, scope))
             case Bind(variables=variables, condition=condition):
                 opened = tuple(self._bound(v, scope) for v in variables)
-                now = None if condition is None else substitute(condition, scope.names)
+                now = None if condition is None else substitute(condition, scope)
                 return replace(node, variables=opened, condition=now)
             case Group(body=body):
-                return replace(node, body=self.renamed(body, _Scope(dict(scope.names))))
+                return replace(node, body=self.renamed(body, dict(scope)))
             case Call(behavior=name) if self._is_unfolded(self.behaviors[name]):
                 return self._unfolded(node, self.behaviors[name], scope)
             case _:
-                return cast("Statement", _substituted(node, scope.names))
+                return cast("Statement", _substituted(node, scope))
 
-    def _local(self, variable: Parameter, scope: _Scope) -> Parameter:
+    def _local(self, variable: Parameter, scope: Scope) -> Parameter:
         name = variable.name
         if name in self.taken:
             name = fresh_name(f"{name}_local", self.taken)
         return self._named(variable, name, scope)
 
-    def _bound(self, variable: Parameter, scope: _Scope) -> Parameter:
+    def _bound(self, variable: Parameter, scope: Scope) -> Parameter:
         name = fresh_name(variable.name, self.bound)
         self.bound.add(name)
         return self._named(variable, name, scope)
 
-    def _named(self, variable: Parameter, name: str, scope: _Scope) -> Parameter:
+    def _named(self, variable: Parameter, name: str, scope: Scope) -> Parameter:
         self.taken.add(name)
-        scope.names[variable.name] = Variable(name, variable.type)
+        scope[variable.name] = Variable(name, variable.type)
         return replace(variable, name=name)
 
     # -------------------------------------------------------------------------------------- calls
@@ -187,13 +184,13 @@ class _Straightening:
             for s in statements_within(called.body)
         )
 
-    def _unfolded(self, node: Call, called: Behavior, scope: _Scope) -> Statement:
+    def _unfolded(self, node: Call, called: Behavior, scope: Scope) -> Statement:
         """The body of a called behavior as a group, its parameters as locals."""
-        inner = _Scope()
+        inner: Scope = {}
         given = [
             Let(
                 self._local(parameter, inner),
-                substitute(argument, scope.names),
+                substitute(argument, scope),
                 location=node.location,
             )
             for parameter, argument in zip(called.parameters, node.arguments, strict=True)
@@ -204,7 +201,7 @@ class _Straightening:
         if called.effect is None:
             return Group("sequential", (*given, *body), location=node.location)
         effect = effect_of(called)
-        arguments = tuple(inner.names[p.name] for p in effect.parameters)
+        arguments = tuple(inner[p.name] for p in effect.parameters)
         ended = Call(effect.name, arguments, location=called.location)
         return Group("sequential", (*given, *body, ended), location=node.location)
 
