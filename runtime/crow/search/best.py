@@ -11,11 +11,13 @@ from heapq import heappop, heappush
 from math import inf
 from typing import Final, NamedTuple
 
-from crow.search.frames import Context, Frame, Kind, Members, Refined
+from crow.search.follow import Follower
+from crow.search.frames import Frame, Kind, Refined
 from crow.search.machine import Machine
-from crow.search.members import Path, member_at
+from crow.search.members import begun, member_at
 from crow.search.points import Choice, Cuts, Point
 from crow.search.relaxed.guide import Guide, Guiding
+from crow.search.relaxed.outlines import Outlines
 
 PUT_OFF: Final = 5
 """What it costs to go a way that is not preferred, each time."""
@@ -25,6 +27,12 @@ BELOW_ITSELF: Final = 6
 """How many times one counts as put off that applies a behavior on the way to itself."""
 BEGUN: Final = 0.1
 """What each behavior costs that was begun: of two points equally near, the freer one is better."""
+
+MOST_STATES: Final = 2_000
+"""The states that are searched for an outline."""
+LEAST_NODES: Final = 1_000
+NODES_A_STEP: Final = 400
+"""The nodes that going along an outline may take."""
 
 
 class Stick(NamedTuple):
@@ -79,6 +87,9 @@ class BestFirst:
 
     def points(self) -> Iterator[Point | None]:
         """The points with nothing left to do; None where `pause_at` nodes have been made."""
+        for point in self._outlined():
+            if point is not None or self.machine.counters.nodes >= self.pause_at:
+                yield point
         start = self.machine.start()
         yield from _Expansion(self, Guide(start.state, 0), 0).run([Way(0, 0, start, is_fresh=True)])
         while self.queue:
@@ -90,6 +101,16 @@ class BestFirst:
             elif not self.is_dropped(node.choice.point, node.number):
                 yield from _Expansion(self, node.guide, node.put_off).go_on(node.choice)
             if self.machine.counters.nodes >= self.pause_at:
+                yield None
+
+    def _outlined(self) -> Iterator[Point | None]:
+        """A point with nothing left to do along an outline, if that is found soon."""
+        check = self.check
+        for outline in Outlines(self.machine, self.guiding, check).search(MOST_STATES):
+            if outline is not None:
+                nodes = LEAST_NODES + NODES_A_STEP * len(outline.operators)
+                yield from Follower(self.machine, self.guiding, outline, check).search(nodes)
+            else:
                 yield None
 
     def push(self, cost: float, node: Node) -> None:
@@ -276,7 +297,7 @@ def _begins_right(point: Point) -> bool:
 
 def is_below_itself(point: Point) -> bool:
     """Whether a behavior is begun among members on the way to itself."""
-    members, path, context = _begun(point)
+    members, path, context = begun(point)
     if context is None:
         return False
     application = context.application
@@ -287,19 +308,3 @@ def is_below_itself(point: Point) -> bool:
             if (other.code, other.arguments) == (application.code, application.arguments):
                 return True
     return False
-
-
-def _begun(point: Point) -> tuple[Members, Path, Context | None]:
-    """The member that a choice began, by its path: its L runs, or its members were added."""
-    frame = point.frame
-    if point.context is None:
-        if frame is None or frame.kind is not Kind.MIDDLE or frame.third is None:
-            return (), (), None
-        members, path = frame.second, frame.third[0]
-        member = member_at(members, path)
-        return members, path, member.context if isinstance(member, Refined) else None
-    while frame is not None and frame.kind is not Kind.LEFT_DONE:
-        frame = frame.next
-    if frame is None:
-        return (), (), None
-    return frame.first[1].second, frame.second[0], point.context

@@ -14,8 +14,14 @@ _MOST_FACTS = 8
 
 
 def explanation(machine: Machine) -> str | None:
-    """The condition that failed farthest on the way, and the facts it reads."""
+    """The condition that failed farthest on the way, and the facts it reads.
+
+    The goal, where nothing had failed yet; None where nothing was begun.
+    """
     dead = machine.dead
+    if dead.test is None or dead.state is None:
+        goal = machine.programs.goal(machine.problem.goal)[1]
+        dead.note(machine.start(), "it has not become true so far", goal, ())
     if dead.test is None or dead.state is None:
         return None
     condition = dead.test.condition

@@ -80,6 +80,11 @@ class Forward:
             hint.is_doubtful = True
             yield point.at(self._frame(frame, tried, frame.third), None)
 
+    def settled(self, point: Point, frame: Frame) -> Open | None:
+        """The member that is true and is completed at once."""
+        found = next(self._silent(point, frame.second, frame.third), None)
+        return None if found is None else found[1]
+
     def _silent(
         self, point: Point, members: Members, focus: Focus | None
     ) -> Iterator[tuple[Path, Open, Test]]:

@@ -66,7 +66,7 @@ class Hint:
     is_doubtful: bool = False
 
 
-Prefers = Callable[[Code, tuple[Value, ...]], bool]
+Prefers = Callable[[Code, tuple[Value, ...], Application], bool]
 
 
 @dataclass(slots=True)
@@ -268,7 +268,7 @@ class Machine:
     ) -> Application | None:
         """A behavior applied in a program of some depth, unless too deep or nested too often."""
         screen = self.screen
-        if screen.prefers is not None and not screen.prefers(code, arguments):
+        if screen.prefers is not None and not screen.prefers(code, arguments, above):
             screen.has_left_out = True
             return None
         nested = above.nested

@@ -16,7 +16,9 @@ from crow.search.code import (
 from crow.search.expressions import Environment
 from crow.search.frames import (
     Application,
+    Context,
     Held,
+    Kind,
     Member,
     Members,
     Nested,
@@ -24,6 +26,7 @@ from crow.search.frames import (
     Refined,
     Shared,
 )
+from crow.search.points import Point
 from crow.search.states import Snapshot
 
 Path = tuple[tuple[int, int], ...]
@@ -190,3 +193,19 @@ def replaced(shared: Shared, members: Members, path: Path, new: Member | None) -
             assert isinstance(above, Refined)
             new = shared.refined(above.context, group, above.after)
     raise AssertionError("an empty path")
+
+
+def begun(point: Point) -> tuple[Members, Path, Context | None]:
+    """The member that a choice began, by its path: its L runs, or its members were added."""
+    frame = point.frame
+    if point.context is None:
+        if frame is None or frame.kind is not Kind.MIDDLE or frame.third is None:
+            return (), (), None
+        members, path = frame.second, frame.third[0]
+        member = member_at(members, path)
+        return members, path, member.context if isinstance(member, Refined) else None
+    while frame is not None and frame.kind is not Kind.LEFT_DONE:
+        frame = frame.next
+    if frame is None:
+        return (), (), None
+    return frame.first[1].second, frame.second[0], point.context

@@ -12,11 +12,11 @@ from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
 
-FIRST_TURN: Final = 850
-"""The nodes of the first turn of `auto`; each next one has twice as many."""
+DEEPENING_TURN: Final = 100
+"""The nodes of the first turn of deepening in `auto`; each next one has four times as many."""
 
-SHARE: Final = 5
-"""How many times as long the turns of best-first search are."""
+BEST_TURN: Final = 5_000
+"""The nodes of the first turn of best-first search; each next one has twice as many."""
 
 Check = Callable[[int], None]
 
@@ -114,9 +114,10 @@ class Best:
 
 
 class Auto:
-    """Deepening and best-first search by turns, each turn twice as long as the one before.
+    """Deepening and best-first search by turns, each turn longer than the one before.
 
-    So it finds a plan wherever deepening does, for at most some twelve times its nodes. Only
+    Best-first search has the larger share at first, deepening in the end. So a plan is found
+    wherever deepening finds one, for a few times its nodes. Only
     deepening enumerates all plans: its end is the end, unless best-first search has shown that
     there is no plan at all.
     """
@@ -139,7 +140,8 @@ class Auto:
 
     def plans(self) -> Iterator[Found | None]:
         """Plans, some more than once."""
-        turn: float = FIRST_TURN
+        turn: float = DEEPENING_TURN
+        other = BEST_TURN
         deepening, best = self.deepening.plans(), None
         has_found = False
         while True:
@@ -157,7 +159,7 @@ class Auto:
                 best = self.best.plans()
             if best is not None:
                 assert self.best is not None
-                self.best.pause(turn * SHARE)
+                self.best.pause(other)
                 for found in best:
                     if found is None:
                         break
@@ -168,7 +170,8 @@ class Auto:
                     if not has_found and not self.best.left_out():
                         self.ended = self.best
                         return
-            turn = turn * 2 if best is not None else inf
+            turn = turn * 4 if best is not None else inf
+            other *= 2
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""

@@ -57,10 +57,10 @@ def test_an_unknown_heuristic_is_refused() -> None:
 @pytest.mark.parametrize("engine", ["best", "auto"])
 def test_limits(engine: str) -> None:
     task = example("blocks/towers12")
-    nodes = crow.plan(task, engine, node_limit=1_500)
+    nodes = crow.plan(task, engine, node_limit=600)
     assert isinstance(nodes, crow.LimitReached)
     assert nodes.limits == ("nodes",)
-    assert isinstance(crow.plan(task, engine, time_limit=0.1), crow.TimedOut)
+    assert isinstance(crow.plan(task, engine, time_limit=0.02), crow.TimedOut)
     assert isinstance(crow.plan(task, engine, memory_limit_mb=1), crow.OutOfMemory)
 
 

@@ -51,7 +51,7 @@ class Operator:
     """A way to make facts true: a behavior with arguments and bound objects, or a choice.
 
     `claims` are the facts that it is applied for; `adds`, others that its writes make true, grows
-    as facts are found.
+    as facts are found. `asked` are the facts it needs for which behaviors may be applied.
     """
 
     cost: int
@@ -62,6 +62,7 @@ class Operator:
     code: Code | None = None
     arguments: tuple[Value, ...] = ()
     values: Environment = ()
+    asked: tuple[int, ...] = ()
 
     @property
     def made(self) -> list[int]:

@@ -35,7 +35,7 @@ class Guide:
     helpful: int = 0
     uses: dict[tuple[Code, tuple[Value, ...]], list[Environment]] = field(default_factory=dict)
 
-    def uses_behavior(self, code: Code, arguments: tuple[Value, ...]) -> bool:
+    def uses_behavior(self, code: Code, arguments: tuple[Value, ...], _above: object) -> bool:
         """Whether the relaxed plan applies a behavior."""
         return (code, arguments) in self.uses
 
@@ -75,7 +75,7 @@ class Guiding:
         lost = [(n, above) for n, above in left.held if not task.is_true(n, state)]
         lost += [(n, frozenset()) for n in kept if not task.is_true(n, state)]
         without = frozenset(
-            index for n in kept if task.is_true(n, state) for index in self._destroyers(n)
+            index for n in kept if task.is_true(n, state) for index in self.destroyers(n)
         )
         cost, plan, broken = self._planned(state, left, made, lost, without)
         true = self._found(state, without).facts
@@ -169,11 +169,11 @@ class Guiding:
         true = {n for i in plan for n in task.operators[i].made}.union(
             task.true_facts(state)
         ) - gone
-        kept = without | self._destroyers(goal)
+        kept = without | self.destroyers(goal)
         found = costs(task, true, frozenset(kept))
         return any(isinf(found.facts[number]) for number in left.goals)
 
-    def _destroyers(self, number: int) -> set[int]:
+    def destroyers(self, number: int) -> set[int]:
         """The operators that make a fact false for certain."""
         fact = self.task.facts[number]
         if not isinstance(fact, CellFact):

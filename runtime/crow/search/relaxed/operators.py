@@ -55,16 +55,25 @@ Key = tuple[Code, tuple[Value, ...], bool]
 
 
 class Way(NamedTuple):
-    """One way through statements: values, facts needed, controller calls and their writes."""
+    """One way through statements: values, facts needed, controller calls and their writes.
+
+    `asked` are those of the facts for which behaviors may be applied.
+    """
 
     values: Environment
     needs: tuple[int, ...] = ()
     calls: int = 0
     writes: tuple[Write, ...] = ()
+    asked: tuple[int, ...] = ()
 
     def needing(self, more: Needs) -> "tuple[Way, ...]":
         """The way with more needed; none if that is impossible."""
         return () if more is None else (self._replace(needs=(*self.needs, *more)),)
+
+    def asking(self, more: Needs) -> "tuple[Way, ...]":
+        """The way with more needed that behaviors may be applied for."""
+        asked = (*self.asked, *(more or ()))
+        return tuple(way._replace(asked=asked) for way in self.needing(more))
 
 
 class Operators:
@@ -169,7 +178,7 @@ class Operators:
         cost = max(way.calls, int(code.has_effect))
         needs = tuple(dict.fromkeys(way.needs))
         return self.task.operator(
-            Operator(cost, needs, list(claims), [], writes, code, arguments, way.values)
+            Operator(cost, needs, list(claims), [], writes, code, arguments, way.values, way.asked)
         )
 
     def running(self, code: Code, arguments: tuple[Value, ...], is_first: bool) -> int:
@@ -201,12 +210,12 @@ class Operators:
                 names = names_of(test.slots, values)
                 return way.needing(self.conditions.needs(test.condition, names))
             case AchieveOp(wanted=wanted):
-                return way.needing(self.wanted(wanted, values, is_first))
+                return way.asking(self.wanted(wanted, values, is_first))
             case CallOp(behavior=name, arguments=compiled):
                 code = self.programs.code(self.world.behaviors[name])
                 arguments = tuple(self._argument(part, values) for part in compiled)
                 is_known = None not in arguments
-                return way.needing((self.running(code, arguments, is_first),) if is_known else ())
+                return way.asking((self.running(code, arguments, is_first),) if is_known else ())
             case DoOp():
                 writes = way.writes + self._called(op, values)
                 return (way._replace(calls=way.calls + 1, writes=writes),)
