@@ -12,9 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cdlc.driver import CompileError
-    from cdlc.library import Compiled, check, compile  # noqa: A004 - the natural name
+    from cdlc.library import (
+        Compiled,
+        check,
+        compile,  # noqa: A004 - the natural name
+        load,
+        load_problem,
+    )
 
-__all__ = ["check", "compile", "Compiled", "CompileError"]
+__all__ = ["check", "compile", "load", "load_problem", "Compiled", "CompileError"]
 
 
 def __getattr__(name: str) -> Any:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from cdlc.backends.functions import Functions
     from cdlc.backends.hddl import HddlTask
     from cdlc.backends.pddl import PddlTask
+    from crow.domain import Domain
     from crow.problem import Problem
     from crow.program.triples import Triple
 
@@ -100,6 +101,30 @@ class Compiled:
         from cdlc.backends.up import to_up
 
         return to_up(self._compilation.pddl)
+
+
+def load(path: Path, functions: "Functions | None" = None) -> "Domain":
+    """A domain to state problems for in Python, as `crow.Problem` takes it.
+
+    `functions` is the Python of external functions by name. Raises CompileError, which holds every
+    diagnostic, if there are errors.
+    """
+    from cdlc.plans.stated import Text
+    from crow.domain import Domain
+
+    compilation = driver.compilation([fspath(path)])
+    return Domain(compilation.program, Text(compilation.domain, functions))
+
+
+def load_problem(path: Path, functions: "Functions | None" = None) -> "Problem":
+    """The problem of a CDL file, with the domain that it names.
+
+    `functions` is the Python of external functions by name. Raises CompileError, which holds every
+    diagnostic, if there are errors or the file states no problem.
+    """
+    compilation = driver.problem_compilation([fspath(path)])
+    compilation.functions = functions
+    return compilation.plannable
 
 
 def check(path: Path) -> tuple[Diagnostic, ...]:

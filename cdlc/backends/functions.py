@@ -72,8 +72,7 @@ def tabulated_problem(
                 if _value(functions[feature.name], feature, where, found):
                     cells[feature.name, where] = True
     names = frozenset(static) & {f.name for f in program.features}
-    return replace(
-        problem,
+    return problem.changed(
         world=world,
         initial=State(cells),
         goal=as_reads(problem.goal, names),

@@ -7,12 +7,13 @@ from typing import Any
 
 from cdlc.diagnostics import Help, suggest
 from cdlc.plans.errors import BadStep
-from cdlc.plans.values import WrongValueError, read_text
+from cdlc.plans.values import read_text
 from cdlc.source import SourceFile, Span
 from crow.problem import World
 from crow.program import Behavior, Controller, Location, Parameter, Type
 from crow.program.statements import Bind, Call
 from crow.program.walk import statements_within
+from crow.reading import WrongValueError
 from crow.values import Value
 
 _NAME = r"[A-Za-z_][A-Za-z0-9_]*"

@@ -15,11 +15,11 @@ from cdlc.plans.calls import (
     resolve_behavior,
     resolve_controller,
 )
-from cdlc.plans.values import read_json
 from cdlc.source import SourceFile, Span
 from crow.plan import call_text
 from crow.problem import World
 from crow.program import Behavior, Location
+from crow.reading import read_json
 from crow.values import Value
 
 Call = tuple[str, tuple[Value, ...]]

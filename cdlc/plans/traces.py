@@ -5,10 +5,9 @@ from collections.abc import Mapping
 from cdlc.diagnostics import Collector
 from cdlc.frontend import syntax
 from cdlc.frontend.check import CheckedDomain
-from cdlc.frontend.check_expressions import check_condition
+from cdlc.frontend.check_expressions import check_condition, check_number
 from cdlc.frontend.parser import parse
 from cdlc.frontend.scope import Context, Scope
-from cdlc.plans.values import WrongValueError, read_json
 from cdlc.source import SourceFile
 from crow.problem import World
 from crow.program import (
@@ -26,6 +25,7 @@ from crow.program import (
     VectorType,
 )
 from crow.program.walk import expressions_of, free_variables, statements_within
+from crow.reading import WrongValueError, read_json
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
 from crow.values import Value
 
@@ -57,7 +57,7 @@ def _item(item: object, domain: CheckedDomain, world: World) -> TraceItem:
         case {"do": str(name), "arguments": list(arguments)}:
             return _do(name, arguments, world)
         case {"assert": str(text), "variables": dict(variables)}:
-            typed = {n: _typed(n, value, world) for n, value in variables.items()}
+            typed = {n: typed_value(n, value, world) for n, value in variables.items()}
             values = {name: value for name, (value, _) in typed.items()}
             types = {name: type_ for name, (_, type_) in typed.items()}
             return AssertItem(read_condition(text, types, domain), values, text)
@@ -116,23 +116,39 @@ def read_condition(text: str, variables: Mapping[str, Type], domain: CheckedDoma
 
     Raises TraceFormatError.
     """
+    return _read(text, variables, domain, "goal", "condition")
+
+
+def read_number(text: str, variables: Mapping[str, Type], domain: CheckedDomain) -> Expression:
+    """Parse a number, as `read_condition` does a condition. Raises TraceFormatError."""
+    return _read(text, variables, domain, "minimize", "number")
+
+
+def _read(
+    text: str, variables: Mapping[str, Type], domain: CheckedDomain, section: str, kind: str
+) -> Expression:
     found = Collector()
-    source = SourceFile("<trace>", f"goal: {text}\n")
-    match parse(source, found).definitions:
-        case (syntax.Goal(condition=written, equals=None),) if not found.has_errors:
-            pass
-        case _:
-            raise TraceFormatError(f"`{text:.200}` is no condition")
+    source = SourceFile("<trace>", f"{section}: {text}\n")
     scope = Scope()
     for name, type_ in variables.items():
         scope = scope.add(Parameter(name, type_), "parameter")
-    condition = check_condition(written, scope, Context(source, domain.declarations, found))
+    context = Context(source, domain.declarations, found)
+    definitions = parse(source, found).definitions
+    checked: Expression | None = None
+    if not found.has_errors:
+        match definitions:
+            case (syntax.Goal(condition=written, equals=None),) if section == "goal":
+                checked = check_condition(written, scope, context)
+            case (syntax.Minimize(expression=written),) if section == "minimize":
+                checked = check_number(written, scope, context)
+    if checked is None:
+        raise TraceFormatError(f"`{text:.200}` is no {kind}")
     if found.has_errors:
         raise TraceFormatError(f"`{text:.200}`: {found.sorted()[0].message()}")
-    return condition
+    return checked
 
 
-def _typed(name: str, value: object, world: World) -> tuple[Value, Type]:
+def typed_value(name: str, value: object, world: World) -> tuple[Value, Type]:
     """A value of no declared type, with the type it has by its looks."""
     match value:
         case str() if value in world.objects:
@@ -145,7 +161,7 @@ def _typed(name: str, value: object, world: World) -> tuple[Value, Type]:
             type_ = FLOAT64
         case str():
             type_ = STRING
-        case list():
+        case list() | tuple():
             type_ = VectorType(FLOAT64, len(value))
         case _:
             raise TraceFormatError(f"`{name}` has no value of CDL")

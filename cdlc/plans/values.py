@@ -1,24 +1,16 @@
-"""Values of steps and traces, as written in calls and as JSON has them, checked against types."""
+"""Values of steps, as written in calls, checked against types."""
 
-import math
 import re
 
 from crow.problem import World
 from crow.program import STRING, ListType, ObjectType, Type, VectorType
 from crow.program.types import BOOL, is_integer, is_number, underlying
-from crow.values import Value, converted
+from crow.reading import read_json, wrong_value
+from crow.values import Value
 
 # As many digits as a number of any type may have; Python refuses to read very long ones.
 _INTEGER = re.compile(r"-?[0-9]{1,20}")
 _NUMBER = re.compile(r"-?[0-9]{1,400}(\.[0-9]{0,400})?([eE][+-]?[0-9]{1,4})?")
-
-
-class WrongValueError(ValueError):
-    """What is no value of the type wanted; `known` are the objects that are."""
-
-    def __init__(self, reason: str, known: tuple[str, ...] = ()) -> None:
-        super().__init__(reason)
-        self.known = known
 
 
 def read_text(text: str, type_: Type, world: World) -> Value:
@@ -41,40 +33,4 @@ def read_text(text: str, type_: Type, world: World) -> Value:
         items = text[1:-1].split(",") if text[1:-1].strip() else []
         read = [read_text(item.strip(), plain.element, world) for item in items]
         return read_json(read, type_, world)
-    raise _wrong(text, type_)
-
-
-def read_json(value: object, type_: Type, world: World) -> Value:
-    """The value of a type that a JSON value stands for. Raises WrongValueError."""
-    match underlying(type_), value:
-        case ObjectType() as wanted, str() as name:
-            if not world.is_of(name, wanted):
-                raise _wrong_object(name, wanted, world)
-            return name
-        case ((VectorType(element=element) | ListType(element=element)), list() | tuple() as items):
-            read: Value = tuple(read_json(item, element, world) for item in items)
-        case plain, bool() if plain == BOOL:
-            return value
-        case plain, str() if plain == STRING:
-            return value
-        case plain, int() | float() if is_number(plain) and not isinstance(value, bool):
-            read = value
-        case _:
-            raise _wrong(repr(value), type_)
-    if isinstance(read, float) and not math.isfinite(read):
-        raise _wrong(repr(value), type_)
-    try:
-        return converted(read, type_)
-    except ArithmeticError as error:
-        raise WrongValueError(str(error)) from None
-
-
-def _wrong(written: str, type_: Type) -> WrongValueError:
-    return WrongValueError(f"`{written:.40}` is no value of type `{type_}`")
-
-
-def _wrong_object(name: str, type_: ObjectType, world: World) -> WrongValueError:
-    reason = f"no object `{name}`"
-    if name in world.objects:
-        reason = f"`{name}` is a `{world.objects[name]}`, not a `{type_}`"
-    return WrongValueError(reason, world.objects_of(type_))
+    raise wrong_value(text, type_)

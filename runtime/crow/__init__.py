@@ -16,15 +16,23 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from crow.budget import Progress
+    from crow.domain import Domain, load, load_problem
     from crow.plan import Result, Step
     from crow.planning import NotPlannable
     from crow.problem import Problem, State, World
+    from crow.program.codec import ProgramFormatError
     from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
+    from crow.stated import ProblemError
 
 __all__ = [
     "plan",
     "plans",
+    "load",
+    "load_problem",
+    "Domain",
     "Problem",
+    "ProblemError",
+    "ProgramFormatError",
     "State",
     "World",
     "Result",
@@ -44,6 +52,9 @@ _PLACES = {
     ),
     **dict.fromkeys(("Result", "Step"), "crow.plan"),
     "NotPlannable": "crow.planning",
+    **dict.fromkeys(("Domain", "load", "load_problem"), "crow.domain"),
+    "ProblemError": "crow.stated",
+    "ProgramFormatError": "crow.program.codec",
 }
 
 

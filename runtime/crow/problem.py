@@ -4,8 +4,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
+from typing import TYPE_CHECKING
 
 from crow.program import (
+    BOOL,
+    Constant,
     Controller,
     Expression,
     Feature,
@@ -18,7 +21,14 @@ from crow.program import (
     Type,
 )
 from crow.program.definitions import Behavior
-from crow.values import default_value
+from crow.values import Value, default_value
+
+if TYPE_CHECKING:
+    from crow.domain import Domain
+    from crow.stated import CellName
+
+TRUE = Constant(value=True, type=BOOL)
+"""A goal that is reached already."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +104,7 @@ class State:
     cells: Mapping[Cell, object] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Problem:
     """Objects, initial state and goal (§2); `minimize` is the cost of the final state, if any."""
 
@@ -103,6 +113,76 @@ class Problem:
     initial: State
     goal: Expression
     minimize: Expression | None = None
+
+    def __init__(
+        self,
+        domain: "Domain",
+        objects: Mapping[str, str] | None = None,
+        init: "Mapping[CellName, Value] | None" = None,
+        goal: str | Expression = TRUE,
+        *,
+        values: Mapping[str, Value] | None = None,
+        minimize: str | Expression | None = None,
+        name: str = "problem",
+    ) -> None:
+        """State a problem of a domain.
+
+        `objects` has the type of each object. `init` has values by cells, `"on(a, b)"` or
+        `("on", ("a", "b"))`; what it does not set is false or 0. `goal` and `minimize` are CDL
+        text, or expressions; `values` are names with values that the text may use.
+
+        Raises crow.ProblemError for what does not fit the domain, and for text where the domain was
+        not loaded by a compiler.
+        """
+        from crow.stated import expression_of, state_of, world_of
+
+        world = world_of(domain.program, objects or {})
+        given = values or {}
+        made = Problem.made(
+            name,
+            world,
+            state_of(world, init or {}),
+            expression_of(domain, goal, world, given),
+            None
+            if minimize is None
+            else expression_of(domain, minimize, world, given, is_number=True),
+        )
+        if domain.language is not None:
+            made = domain.language.prepared(made)
+        self.__dict__.update(made.__dict__)
+
+    @classmethod
+    def made(
+        cls,
+        name: str,
+        world: World,
+        initial: State,
+        goal: Expression,
+        minimize: Expression | None = None,
+    ) -> "Problem":
+        """A problem of parts that fit together."""
+        problem = cls.__new__(cls)
+        problem.__dict__.update(
+            name=name, world=world, initial=initial, goal=goal, minimize=minimize
+        )
+        return problem
+
+    def changed(
+        self,
+        *,
+        world: World | None = None,
+        initial: State | None = None,
+        goal: Expression | None = None,
+        minimize: Expression | None = None,
+    ) -> "Problem":
+        """The problem with some parts changed; None leaves a part as it is."""
+        return Problem.made(
+            self.name,
+            world or self.world,
+            initial or self.initial,
+            goal or self.goal,
+            minimize or self.minimize,
+        )
 
     @staticmethod
     def of(program: Program, statement: ProblemStatement) -> "Problem":
@@ -121,4 +201,4 @@ class Problem:
             for arguments in world.cells(feature):
                 cell = (feature.name, arguments)
                 check_bounds(world, cell, initial.cells.get(cell, unset))
-        return Problem(statement.name, world, initial, statement.goal, statement.minimize)
+        return Problem.made(statement.name, world, initial, statement.goal, statement.minimize)

@@ -106,7 +106,7 @@ class Simulated:
 
         world = world_of(case)
         initial = State(dict.fromkeys(sorted(true), True))
-        problem = Problem("random", world, initial, TRUE)
+        problem = Problem.made("random", world, initial, TRUE)
         found = Collector()
         model = Model(world.program, level)
         task = to_pddl(model, problem, found)

@@ -44,7 +44,7 @@ def task_of(world: World, state: State) -> PddlTask | None:
     """The PDDL, or None for what is rightly refused."""
     found = Collector()
     model = Model(world.program)
-    task = to_pddl(model, Problem("random", world, state, TRUE), found)
+    task = to_pddl(model, Problem.made("random", world, state, TRUE), found)
     for diagnostic in found:
         is_refused = diagnostic.code == "no-hoare-model"
         assert is_refused or "may write twice" in diagnostic.message(), diagnostic.message()

@@ -198,7 +198,7 @@ def check(text: str, facts: list[bool], choices: list[int]) -> None:
     places = [(f, (o,)) for f in "pq" for o in "ab"]
     cells |= {cell: True for cell, fact in zip(places, facts, strict=False) if fact}
     found = Collector()
-    problem = Problem("random", world, State(cells), TRUE)
+    problem = Problem.made("random", world, State(cells), TRUE)
     task = to_pddl(Model(world.program), problem, found)
     if task is None:
         (refused,) = (d for d in found if d.code != "split-behavior")

@@ -332,7 +332,7 @@ def enumerated(
     numbers = {c.name: NUMBER for c in inside.program.constants if c.type == NUMBER}
     world = World(inside.program, {**problem.world.objects, **numbers})
     cells = {**dict(_cells(problem, exempt)), **dict(enumeration.table_cells())}
-    return inside, made, replace(problem, world=world, goal=goal, initial=State(cells))
+    return inside, made, problem.changed(world=world, goal=goal, initial=State(cells))
 
 
 def _cells(problem: Problem, exempt: frozenset[str]) -> Iterator[tuple[Cell, object]]:

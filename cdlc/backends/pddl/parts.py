@@ -66,7 +66,7 @@ def closing(problem: Problem, program: Program, parts: Sequence[Part]) -> Proble
     world = World(program, problem.world.objects)
     closed = [_is_closed(part.gives) for part in parts if part.gives is not None]
     goal = And((problem.goal, *closed)) if closed else problem.goal
-    return replace(problem, world=world, goal=goal)
+    return problem.changed(world=world, goal=goal)
 
 
 def _is_closed(open_: Open) -> Expression:

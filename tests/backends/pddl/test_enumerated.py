@@ -139,7 +139,7 @@ def test_the_tables_compute_what_the_interpreter_does(eff: str) -> None:
     world = World.of(program, (Parameter("two", ObjectType("T")),))
     for cells in states():
         state = State({c: v for c, v in cells.items() if v != 0})
-        problem = Problem("p", world, state, Constant(value=True, type=BOOL))
+        problem = Problem.made("p", world, state, Constant(value=True, type=BOOL))
         model, found = Model(program), Collector()
         task = to_pddl(model, problem, found, Emission(enumerates=True))
         assert task is not None
