@@ -182,7 +182,7 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     _files(command, "DOMAIN", "PROBLEM")
     command.add_argument(
         "--engine", default="auto", metavar="NAME",
-        help="auto, best, iddfs or reference (the runtime's), or a PDDL engine such as"
+        help="auto, best, iddfs, iw or reference (the runtime's), or a PDDL engine such as"
         " fast-downward; default: %(default)s",
     )  # fmt: skip
     command.add_argument(

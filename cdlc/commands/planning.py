@@ -75,6 +75,7 @@ def _show_progress(statistics: dict[str, Any]) -> None:
 def _statistics_text(statistics: dict[str, Any]) -> str:
     """Figures of a search in one line."""
     depth = f" to depth {statistics['depth']}" if "depth" in statistics else ""
+    depth += f" in width {statistics['width']}" if "width" in statistics else ""
     parts = [f"searched {statistics['nodes']} nodes{depth}"]
     parts += [f"{number} {name}" for name, number in statistics.get("pruned", {}).items()]
     return ", ".join(parts[:1]) + (f"; left out {', '.join(parts[1:])}" if parts[1:] else "")

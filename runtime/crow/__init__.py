@@ -72,10 +72,9 @@ def plan(
 ) -> "Result":
     """A plan of a problem, by refining its goal (§3 of the paper).
 
-    `engine` is `auto`, `best`, `iddfs` or `reference`; `h`, the heuristic of best-first search, is
-    `ff` or `add`. Limits are None for none: seconds of wall time,
-    nodes, depth of nested behaviors, MiB of memory. `on_progress` is called now and then with
-    statistics.
+    `engine` is `auto`, `best`, `iddfs`, `iw` or `reference`; `h`, the heuristic of best-first
+    search, is `ff` or `add`. Limits are None for none: seconds of wall time, nodes, depth of nested
+    behaviors, MiB of memory. `on_progress` is called now and then with statistics.
 
     Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
     program that would have to choose values, and ValueError for an engine or heuristic that is

@@ -17,7 +17,7 @@ from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
 from crow.support import unsupported
 from crow.trace import Trace
 
-ENGINES = ("auto", "best", "iddfs", "reference")
+ENGINES = ("auto", "best", "iddfs", "iw", "reference")
 """The engines of the runtime; `auto` is `iddfs` and `best` by turns."""
 
 HEURISTICS = ("ff", "add")
@@ -178,6 +178,10 @@ def _engine(
             from crow.search.engine import CrowEngine
 
             return Deepening(CrowEngine(problem, check), depth_limit)
+        case "iw":
+            from crow.search.widening import Widening
+
+            return Widening(problem, check, depth_limit)
         case "best":
             return Best(problem, check, depth_limit, heuristic)
         case _:

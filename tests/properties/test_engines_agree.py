@@ -73,7 +73,7 @@ def compare(problem: Problem, depth: int, most: int = MOST_NODES) -> Plans:
     pruned = crow(problem, depth, prunes=True)
     assert pruned <= expected
     assert bool(pruned) == bool(expected)
-    for name in ("best", "auto"):
+    for name in ("best", "auto", "iw"):
         found = strategy(problem, name, depth)
         assert found <= expected, name
         assert bool(found) == bool(expected), name

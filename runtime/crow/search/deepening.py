@@ -16,6 +16,8 @@ FOUND: Final = 4
 """A plan was found below."""
 HOPELESS: Final = 8
 """A branch was cut because nothing within the depth limit could make true what it needs."""
+WIDTH: Final = 16
+"""A branch was cut by the limit of width."""
 
 
 @dataclass(slots=True)
@@ -59,11 +61,13 @@ class Search:
             if machine.counters.nodes >= self.pause_at:
                 yield None
             entry = self.stack[-1]
-            machine.is_cut = machine.is_hopeless = False
+            machine.is_cut = machine.is_hopeless = machine.is_too_wide = False
             point = next(entry.options, None)
             step = None if point is None else machine.run(point)
             if machine.is_cut:
                 entry.left_out |= DEPTH
+            if machine.is_too_wide:
+                entry.left_out |= WIDTH
             if machine.is_hopeless:
                 entry.left_out |= HOPELESS
             if point is None:

@@ -5,23 +5,33 @@ from typing import Any
 
 from crow.plan import Step
 from crow.problem import Problem
-from crow.search.deepening import COMMIT, DEPTH, HOPELESS, Search
+from crow.search.deepening import COMMIT, DEPTH, HOPELESS, WIDTH, Search
 from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
+from crow.search.width import Narrow
 from crow.trace import Trace
 
 Found = tuple[tuple[Step, ...], Trace]
 
 
 class CrowEngine:
-    """The forward engine; with `prunes` off it enumerates every refinement."""
+    """The forward engine; with `prunes` off it enumerates every refinement.
+
+    With a `width` it prunes, and leaves out programs that are wider.
+    """
 
     def __init__(
-        self, problem: Problem, check: Callable[[int], None], *, prunes: bool = True
+        self,
+        problem: Problem,
+        check: Callable[[int], None],
+        *,
+        prunes: bool = True,
+        width: int | None = None,
     ) -> None:
         self.problem = problem
-        self.machine = Machine(problem, prunes=prunes)
+        self.width = width
+        self.machine = Machine(problem, prunes=prunes) if width is None else Narrow(problem, width)
         counters = self.machine.counters
         self.search = Search(self.machine, lambda: check(counters.nodes))
 
@@ -41,18 +51,20 @@ class CrowEngine:
     def left_out(self) -> tuple[str, ...]:
         """What the last round left out."""
         found = self.search.left_out
-        names = {DEPTH: "depth", COMMIT: "commit"}
+        names = {DEPTH: "depth", WIDTH: "width", COMMIT: "commit"}
         return tuple(name for flag, name in names.items() if found & flag)
 
     def statistics(self) -> dict[str, Any]:
         """Nodes, and branches left out by kind."""
         counters, search = self.machine.counters, self.search
+        wide = {} if self.width is None else {"width": counters.cut_by_width}
         return {
             "nodes": counters.nodes,
             "effects": counters.effects,
             "states": len(self.machine.store.known),
             "pruned": {
                 "depth": counters.cut_by_depth,
+                **wide,
                 "duplicates": search.duplicates,
                 "hopeless": counters.hopeless,
             },

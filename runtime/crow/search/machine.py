@@ -50,6 +50,7 @@ class Counters:
 
     nodes: int = 0
     cut_by_depth: int = 0
+    cut_by_width: int = 0
     hopeless: int = 0
     effects: int = 0
 
@@ -105,6 +106,7 @@ class Machine:
         self.depth_limit = 0
         self.is_cut = False
         self.is_hopeless = False
+        self.is_too_wide = False
         self.hint = Hint()
         self.screen = Screen()
         self.counters = Counters()

@@ -16,7 +16,7 @@ from crow.replay import replay_to_goal
 from crow.search.engine import CrowEngine
 
 SUSSMAN = 'problem "p"\nobjects:\n  A, B, C: block\ninit:\n  on_table[A] = True\n  on_table[B] = True\n  on[C, A] = True\n  clear[B] = True\n  clear[C] = True\n  handempty[...] = True\ngoal: {}\n'  # noqa: E501
-ENGINES = ["auto", "reference"]
+ENGINES = ["auto", "iw", "reference"]
 
 T = """
 typedef T
