@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 # In the order of the table in docs/benchmarks.md; each module has `run(quick) -> Table`.
-NAMES = ("start", "parse", "size", "imports", "unroll", "sussman", "random", "reverse")
+NAMES = ("start", "parse", "size", "imports", "unroll", "sussman", "random", "reverse", "serial")
 RESULTS = Path(__file__).parent / "results"
 
 

@@ -167,7 +167,7 @@ def _identity(steps: tuple[Step, ...]) -> tuple[object, ...]:
 def _engine(
     problem: Problem, name: str, check: Any, depth_limit: int | None, heuristic: str
 ) -> Engine:
-    from crow.search.strategies import Auto, Best, Deepening
+    from crow.search.strategies import Best, Deepening
 
     match name:
         case "reference":
@@ -185,4 +185,16 @@ def _engine(
         case "best":
             return Best(problem, check, depth_limit, heuristic)
         case _:
-            return Auto(problem, check, depth_limit, heuristic)
+            return _auto(problem, check, depth_limit, heuristic)
+
+
+def _auto(problem: Problem, check: Any, depth_limit: int | None, heuristic: str) -> Engine:
+    from crow.search.straight import Straight, StraightFirst
+    from crow.search.strategies import Auto
+
+    straight = Straight.of(problem, depth_limit)
+    if straight is None:
+        return Auto(problem, check, depth_limit, heuristic)
+    return StraightFirst(
+        straight, check, lambda counted: Auto(problem, counted, depth_limit, heuristic)
+    )

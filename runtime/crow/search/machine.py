@@ -98,7 +98,7 @@ class Machine:
     def __init__(self, problem: Problem, *, prunes: bool = True, counts_depth: bool = True) -> None:
         self.level = int(counts_depth)
         self.problem = problem
-        self.store = Store(problem.world, problem.initial)
+        self.store = self.make_store()
         self.programs = Programs(problem, self.store)
         self.shared = Shared()
         self.prunes = prunes
@@ -118,6 +118,10 @@ class Machine:
         self.unordered = Unordered(self)
         self._frames: dict[Kind, Callable[[Point, Frame], Step]] = self._frame_steps()
         self._ops: dict[type, Callable[[Point, Op, Frame | None], Step]] = self._op_steps()
+
+    def make_store(self) -> Store:
+        """The states of the search."""
+        return Store(self.problem.world, self.problem.initial)
 
     def start(self) -> Point:
         """The initial program: `achieve g; assert g` (§2.2)."""

@@ -1,6 +1,6 @@
 """Strategies over the points of the CROW engine: best-first search, and both by turns."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from itertools import count
 from math import inf
 from typing import Any, Final, Protocol
@@ -35,6 +35,15 @@ class Rounds(Protocol):
 
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
+
+
+def until_pause(plans: Iterator[Found | None]) -> Generator[Found, None, bool]:
+    """The plans until a search pauses; returns whether it has ended."""
+    for found in plans:
+        if found is None:
+            return False
+        yield found
+    return True
 
 
 class Deepening:
@@ -139,7 +148,7 @@ class Auto:
         self.check(self.crow.machine.counters.nodes + others)
 
     def plans(self) -> Iterator[Found | None]:
-        """Plans, some more than once."""
+        """Plans, some more than once; None between turns."""
         turn: float = DEEPENING_TURN
         other = BEST_TURN
         deepening, best = self.deepening.plans(), None
@@ -172,6 +181,7 @@ class Auto:
                         return
             turn = turn * 4 if best is not None else inf
             other *= 2
+            yield None
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""

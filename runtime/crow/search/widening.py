@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from crow.problem import Problem
 from crow.search.engine import CrowEngine, Found
-from crow.search.strategies import Deepening
+from crow.search.strategies import Deepening, until_pause
 
 FIRST_TURN: Final = 1_000
 """The nodes of the first turn; each next one has twice as many."""
@@ -31,12 +31,8 @@ class _Width:
     def turn(self, nodes: int) -> Generator[Found, None, bool]:
         """The plans found within so many nodes more; returns whether there are no others."""
         self.crow.search.pause_at = self.nodes + nodes
-        for found in self.found:
-            if found is None:
-                return False
-            yield found
-        self.is_over = True
-        return True
+        self.is_over = yield from until_pause(self.found)
+        return self.is_over
 
 
 class Widening:
