@@ -44,7 +44,7 @@ from crow.program import (
 )
 from crow.program.expressions import ArithmeticOperator
 from crow.program.locals import Locals, set_local
-from crow.values import Value, converted, default_value, stored
+from crow.values import Value, converted, stored
 
 Environment = Mapping[str, Value]
 
@@ -148,12 +148,22 @@ _AUGMENTED: Mapping[str, ArithmeticOperator] = {"+=": "+", "-=": "-", "*=": "*",
 
 
 class _Evaluator:
-    def __init__(self, world: World, cells: Mapping[Cell, object]) -> None:
+    """Reads cells, or what was written into them since."""
+
+    def __init__(
+        self,
+        world: World,
+        cells: Mapping[Cell, object],
+        written: Mapping[Cell, object] | None = None,
+    ) -> None:
         self.world = world
         self.cells = cells
+        self.written = written
 
     def value(self, node: Expression, variables: Environment) -> Value:
         match node:
+            case Read():
+                return self._read(node, variables)
             case Constant(value=value):
                 return value
             case Variable(name=name):
@@ -164,8 +174,6 @@ class _Evaluator:
                     raise EvaluationError(message, node.location) from None
             case Object(name=name):
                 return name
-            case Read():
-                return self._read(node, variables)
             case Not(operand=operand):
                 return not self.value(operand, variables)
             case And(operands=operands):
@@ -204,9 +212,11 @@ class _Evaluator:
 
     def cell(self, cell: Cell, location: Location | None) -> Value:
         """The value of a cell, or the default of its type."""
+        if self.written and cell in self.written:
+            return self.written[cell]
         if cell in self.cells:
             return self.cells[cell]
-        default = default_value(self.world.features[cell[0]].type)
+        default = self.world.defaults[cell[0]]
         if default is None:
             raise EvaluationError(f"`{shown_cell(cell)}` has no value", location)
         return default
@@ -221,13 +231,23 @@ class _Evaluator:
         if function.body is None:
             message = f"the external function `{function.name}` has no Python given for it"
             raise EvaluationError(message, node.location)
-        inner: Locals = ChainMap()
+        inner: dict[str, Value] = {}
         for parameter, argument in zip(function.parameters, node.arguments, strict=True):
             given = self.value(argument, variables)
             inner[parameter.name] = _located(argument.location, converted, given, parameter.type)
-        result = _Run(self.world, self.cells).block(function.body, inner)
-        assert isinstance(result, _Returned)
-        return _located(node.location, converted, result.value, function.type)
+        value = self._returned(function.body, inner)
+        return _located(node.location, converted, value, function.type)
+
+    def _returned(self, body: tuple[Statement, ...], variables: dict[str, Value]) -> Value:
+        match body:
+            case (Return(value=value),):
+                return _Evaluator(self.world, self.cells, self.written).value(value, variables)
+            case _:
+                below = ChainMap(dict(self.written), _below(self.cells)) if self.written else None
+                run = _Run(self.world, self.cells if below is None else below)
+                result = run.block(body, ChainMap(variables))
+                assert isinstance(result, _Returned)
+                return result.value
 
 
 class _SharedEvaluator(_Evaluator):
@@ -289,16 +309,19 @@ _Signal = _Returned | type[Break] | type[Continue] | None
 """Why a block ended early, if it did."""
 
 
+def _below(cells: Mapping[Cell, object]) -> MutableMapping[Cell, object]:
+    """Cells as a map that others lie above: they are only read."""
+    return cast("MutableMapping[Cell, object]", cells)
+
+
 class _Run:
     """One run over the cells of a state, which it leaves alone: `written` is what it wrote."""
 
     def __init__(self, world: World, cells: Mapping[Cell, object]) -> None:
         self.world = world
         self.written: dict[Cell, object] = {}
-        # Only reading goes through to the map below; it is never written to.
-        below = cast("MutableMapping[Cell, object]", cells)
-        self.cells = ChainMap(self.written, below)
-        self.evaluator = _Evaluator(world, self.cells)
+        self.cells = cells
+        self.evaluator = _Evaluator(world, cells, self.written)
 
     def block(self, statements: tuple[Statement, ...], variables: Locals) -> _Signal:
         for statement in statements:
@@ -342,7 +365,7 @@ class _Run:
             before = self.evaluator.cell(cell, node.location)
             op = _AUGMENTED[node.operator]
             value = _located(node.location, arithmetic, op, before, value, feature.type)
-        self.cells[cell] = _located(node.location, stored, value, feature.type)
+        self.written[cell] = _located(node.location, stored, value, feature.type)
 
     def _for(self, node: ForRange, variables: Locals) -> _Signal:
         for number in range(node.start, node.stop, node.step):
@@ -355,12 +378,13 @@ class _Run:
 
     def _foreach(self, node: ForEach, variables: Environment) -> None:
         merged: dict[Cell, object] = {}
+        before = ChainMap(self.written, _below(self.cells))
         for inner in assignments_of(self.world, node.variables, variables):
-            run = _Run(self.world, self.cells)
+            run = _Run(self.world, before)
             run.block(node.body, ChainMap(inner))
             for cell, value in run.written.items():
                 if cell in merged and merged[cell] != value:
                     message = f"iterations write different values to `{shown_cell(cell)}`"
                     raise EvaluationError(message, node.location)
                 merged[cell] = value
-        self.cells.update(merged)
+        self.written.update(merged)

@@ -117,7 +117,7 @@ class Planning:
         self.budget.check(nodes, self.statistics)
 
     def _plan(self, steps: tuple[Step, ...], trace: Trace) -> Plan:
-        replayed = replay_to_goal(self.problem, trace)
+        replayed = replay_to_goal(self.problem, trace, keeps_states=False)
         if replayed.failure is not None:
             failure = replayed.failure
             raise AssertionError(f"no plan: `{failure.condition}`: {failure.reason}")

@@ -56,6 +56,11 @@ class World:
         return {f.name: f for f in self.program.features}
 
     @cached_property
+    def defaults(self) -> Mapping[str, object]:
+        """What the cells of each feature hold that `init` does not set; None where it has to."""
+        return {f.name: default_value(f.type) for f in self.program.features}
+
+    @cached_property
     def functions(self) -> Mapping[str, Function]:
         """Functions by name."""
         return {f.name: f for f in self.program.functions}
@@ -72,8 +77,16 @@ class World:
 
     def objects_of(self, type_: Type) -> tuple[str, ...]:
         """The objects of a type and its subtypes, in order of declaration."""
-        is_subtype = self.hierarchy.is_subtype
-        return tuple(name for name, own in self.objects.items() if is_subtype(own, type_))
+        found = self._domains.get(type_)
+        if found is None:
+            is_subtype = self.hierarchy.is_subtype
+            found = tuple(name for name, own in self.objects.items() if is_subtype(own, type_))
+            self._domains[type_] = found
+        return found
+
+    @cached_property
+    def _domains(self) -> dict[Type, tuple[str, ...]]:
+        return {}
 
     def is_of(self, name: object, type_: Type) -> bool:
         """Whether an object of that name exists and is of the type."""
@@ -88,7 +101,7 @@ class World:
         """The state after some cells changed."""
         cells = {**state.cells, **changes}
         for (feature, arguments), value in changes.items():
-            if value == default_value(self.features[feature].type):
+            if value == self.defaults[feature]:
                 del cells[feature, arguments]
         return State(cells)
 

@@ -3,11 +3,12 @@
 It is kept apart from every search so that it cannot share a mistake with one.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from crow.evaluate import EvaluationError, execute, holds
+from crow.evaluate import EvaluationError, changes, holds
 from crow.plan import call_text
-from crow.problem import Problem, State, World
+from crow.problem import Cell, Problem, State, World
 from crow.program import Expression, Location
 from crow.text import expression_text
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
@@ -42,20 +43,30 @@ class Replay:
         return self.states[-1]
 
 
-def replay(world: World, initial: State, trace: Trace) -> Replay:
+def replay(world: World, initial: State, trace: Trace, *, keeps_states: bool = True) -> Replay:
     """Run a trace from a state.
 
-    Returns the projected states, the initial one first, up to the first item that fails.
+    Returns the projected states, the initial one first, up to the first item that fails; unless it
+    `keeps_states`, the first and the last, in time linear in the trace, however large a state is.
     """
-    states = [initial]
+    states, cells = [initial], dict(initial.cells)
+    now, failure = State(cells), None
     for index, item in enumerate(trace):
         try:
-            after = _after(world, states[-1], item, trace[index + 1 : index + 2])
+            changed = _changed(world, now, item, trace[index + 1 : index + 2])
         except _Failed as failed:
             failure = Failure(index, _item_text(item), failed.reason, failed.location)
-            return Replay(tuple(states), failure)
-        states.append(after)
-    return Replay(tuple(states), None)
+            break
+        for cell, value in changed.items():
+            if value == world.defaults[cell[0]]:
+                cells.pop(cell, None)
+            else:
+                cells[cell] = value
+        if keeps_states:
+            states.append(State(dict(cells)) if changed else states[-1])
+    if not keeps_states:
+        states.append(now)
+    return Replay(tuple(states), failure)
 
 
 class _Failed(Exception):  # noqa: N818 - ends the walk over the trace
@@ -65,20 +76,22 @@ class _Failed(Exception):  # noqa: N818 - ends the walk over the trace
         self.location = location
 
 
-def _after(world: World, state: State, item: TraceItem, following: Trace) -> State:
-    """The state after an item; a controller with an effect needs it right after its `do`."""
+def _changed(
+    world: World, state: State, item: TraceItem, following: Trace
+) -> Mapping[Cell, object]:
+    """What an item changes; a controller with an effect needs it right after its `do`."""
     try:
         match item:
             case AssertItem(condition=condition, variables=variables):
                 if not holds(world, state, condition, variables):
                     raise _Failed("it is false here", item.location)
-                return state
+                return {}
             case EffItem(statements=statements, variables=variables):
-                return execute(world, state, statements, variables)
+                return changes(world, state.cells, statements, variables)
             case DoItem():
                 if not _has_its_effect(world, item, following):
                     raise _Failed("its effect does not follow", item.location)
-                return state
+                return {}
     except EvaluationError as error:
         raise _Failed(str(error), error.location or item.location) from None
 
@@ -105,10 +118,10 @@ def _item_text(item: TraceItem) -> str:
             return f"eff of {owner}"
 
 
-def replay_to_goal(problem: Problem, trace: Trace) -> Replay:
-    """Run a trace from the initial state and test the goal after it."""
-    goal = goal_item(problem.goal)
-    return replay(problem.world, problem.initial, (*trace, goal))
+def replay_to_goal(problem: Problem, trace: Trace, *, keeps_states: bool = True) -> Replay:
+    """Run a trace from the initial state, as `replay` does, and test the goal after it."""
+    items = (*trace, goal_item(problem.goal))
+    return replay(problem.world, problem.initial, items, keeps_states=keeps_states)
 
 
 def goal_item(goal: Expression, variables: dict[str, Value] | None = None) -> AssertItem:

@@ -33,6 +33,8 @@ def converted(value: Value, type_: Type) -> Value:
 
     Raises ValueRangeError for a number, or a vector, that the type does not hold.
     """
+    if isinstance(type_, ObjectType) or isinstance(value, bool):
+        return value  # mostly
     plain = underlying(type_)
     if plain in _WIDTHS:
         return _within(value, plain)
@@ -52,6 +54,8 @@ def stored(value: Value, type_: Type) -> Value:
 
     Raises ValueRangeError for a number, or a vector, that the type does not hold.
     """
+    if isinstance(type_, ObjectType) or isinstance(value, bool):
+        return value  # mostly
     return _rounded(converted(value, type_), underlying(type_))
 
 

@@ -10,6 +10,7 @@ from crow.program import Behavior, Expression, Location, Statement
 from crow.search.effects import Effect
 from crow.search.expressions import Compiled, Environment, Slots
 from crow.search.states import Snapshot
+from crow.text import expression_text
 from crow.values import Value
 
 
@@ -21,6 +22,14 @@ class Test:
     condition: Expression
     slots: Slots
     location: Location | None
+    _text: str | None = None
+
+    @property
+    def text(self) -> str:
+        """The condition as CDL writes it."""
+        if self._text is None:
+            self._text = expression_text(self.condition)
+        return self._text
 
 
 Variables = tuple[tuple[int, ...], tuple[tuple[Value, ...], ...]] | None

@@ -24,18 +24,27 @@ class Effects:
 
     def effect(self, statements: tuple[Statement, ...], slots: Slots) -> Effect:
         """A function for the state after an effect."""
-        if all(self._is_simple(statement) for statement in statements):
-            return self._assignments([s for s in statements if isinstance(s, Assign)], slots)
-        return self._interpreted(statements, slots)
+        written = set[str]()
+        for statement in statements:
+            if not self._is_simple(statement, written):
+                return self._interpreted(statements, slots)
+        return self._assignments([s for s in statements if isinstance(s, Assign)], slots)
 
-    def _is_simple(self, statement: Statement) -> bool:
-        """Whether a statement is `f[a, …] = e`, with an `e` that the effect cannot have changed."""
+    def _is_simple(self, statement: Statement, written: set[str]) -> bool:
+        """Whether a statement is `f[a, …] = e`, with values that the effect has not yet changed.
+
+        `written` are the features that it has assigned so far.
+        """
         if not isinstance(statement, Assign) or statement.operator != "=":
             return False
         feature = self.world.features[statement.feature]
         parts = [p for e in expressions_of(statement) for p in subexpressions(e)]
-        reads = any(isinstance(part, Read | Apply) for part in parts)
-        return not reads and feature.bounds == (None, None) and is_plain(feature.type)
+        changed = any(
+            isinstance(part, Apply) or (isinstance(part, Read) and part.feature in written)
+            for part in parts
+        )
+        written.add(feature.name)
+        return not changed and feature.bounds == (None, None) and is_plain(feature.type)
 
     def _assignments(self, statements: list[Assign], slots: Slots) -> Effect:
         def value(node: Expression) -> Any:

@@ -5,7 +5,9 @@ knows about widths and divisions by zero.
 """
 
 from collections.abc import Callable, Collection, Mapping
+from functools import lru_cache
 from itertools import product
+from types import CodeType
 from typing import Any
 
 from crow.evaluate import EvaluationError, evaluate, shown_cell
@@ -71,10 +73,9 @@ class Compiler:
         return compiled
 
     def _compiled(self, parameters: str, source: str) -> Any:
-        lines = f"def compiled({parameters}):\n D = S.delta\n B = S.base\n return {source}\n"
         scope: dict[str, Any] = {}
         # The source is made here, from names that the program's checker has let through.
-        exec(compile(lines, "<compiled>", "exec"), self.constants, scope)  # noqa: S102
+        exec(_python(f"def compiled({parameters}):", source), self.constants, scope)  # noqa: S102
         return scope["compiled"]
 
     def _constant(self, value: object) -> str:
@@ -162,6 +163,13 @@ class Compiler:
                 case _:
                     pass
         return self._functions[function.name]
+
+
+@lru_cache(4096)
+def _python(head: str, source: str) -> CodeType:
+    """A function for Python to run. The same texts come again with each search of a domain."""
+    lines = f"{head}\n D = S.delta\n B = S.base\n return {source}\n"
+    return compile(lines, "<compiled>", "exec")
 
 
 def is_plain(type_: Type) -> bool:

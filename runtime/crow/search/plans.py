@@ -8,7 +8,6 @@ from crow.search.code import DoOp, Test
 from crow.search.expressions import Environment, names_of
 from crow.search.frames import Application, Context
 from crow.search.points import Point, Trail
-from crow.text import expression_text
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
 from crow.values import Value
 
@@ -19,7 +18,7 @@ Call = tuple[int, DoOp, tuple[Value, ...]]
 def assert_item(test: Test, values: Environment) -> AssertItem:
     """An assertion as it stands in a trace."""
     known = names_of(test.slots, values)
-    return AssertItem(test.condition, known, expression_text(test.condition), test.location)
+    return AssertItem(test.condition, known, test.text, test.location)
 
 
 def events_of(trail: Trail) -> list[Any]:
