@@ -51,6 +51,12 @@ class Matching:
     def __init__(self, world: World) -> None:
         self.world = world
         self.goals = [(b, plain(b.goal)) for b in world.program.behaviors if b.goal is not None]
+        self._literals: dict[tuple[str, bool], list[tuple[Behavior, tuple[Expression, ...]]]] = {}
+        for behavior, goal in self.goals:
+            atom = goal.operand if isinstance(goal, Not) else goal
+            if isinstance(atom, Read | Apply):
+                key = (_name(atom), not isinstance(goal, Not))
+                self._literals.setdefault(key, []).append((behavior, atom.arguments))
 
     def alternatives(
         self, wanted: Expression, evaluate: Evaluate
@@ -86,14 +92,10 @@ class Matching:
     def _literal(
         self, atom: Read | Apply, evaluate: Evaluate, *, positive: bool
     ) -> Iterator[tuple[Behavior, Bindings]]:
-        name = _name(atom)
         arguments = tuple(map(evaluate, atom.arguments))
-        for behavior, goal in self.goals:
-            inner = goal.operand if isinstance(goal, Not) else goal
-            if isinstance(goal, Not) == positive or not isinstance(inner, Read | Apply):
-                continue
+        for behavior, patterns in self._literals.get((_name(atom), positive), ()):
             bindings: Bindings = {}
-            if _name(inner) == name and self._all(inner.arguments, arguments, bindings):
+            if self._all(patterns, arguments, bindings):
                 yield behavior, bindings
 
     def _equations(
