@@ -1,10 +1,12 @@
-"""Tables of figures: printed for people, written as CSV for plots."""
+"""Tables of figures: printed for people, written as CSV and drawn as plots."""
 
 import csv
+import sys
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
-Figure = str | int | float
+from benchmarks.plot import Figure, Plot, draw
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +17,7 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[Figure, ...], ...]
     note: str = ""
+    plots: tuple[Plot, ...] = ()
 
     def text(self) -> str:
         """The table with aligned columns."""
@@ -26,12 +29,17 @@ class Table:
         return "\n".join([*parts, self.note] if self.note else parts) + "\n"
 
     def write(self, folder: Path) -> None:
-        """Write the figures to `NAME.csv` in a folder. Raises OSError."""
+        """Write the figures to `NAME.csv` in a folder, and the plots beside it. Raises OSError."""
         folder.mkdir(parents=True, exist_ok=True)
         with (folder / f"{self.name}.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(self.columns)
             writer.writerows(self.rows)
+        if self.plots and find_spec("matplotlib") is None:
+            print("no plots: matplotlib is not installed (extra `view`)", file=sys.stderr)
+            return
+        for plot in self.plots:
+            draw(self.name, self.columns, self.rows, plot, folder / f"{self.name}{plot.name}")
 
 
 def _shown(figure: Figure) -> str:
