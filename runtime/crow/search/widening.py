@@ -8,7 +8,7 @@ from crow.search.engine import CrowEngine, Found
 from crow.search.strategies import Deepening, until_pause
 
 FIRST_TURN: Final = 1_000
-"""The nodes of the first turn; each next one has twice as many."""
+"""The nodes of the first turn of a width; each next one has twice as many."""
 
 
 class _Width:
@@ -39,7 +39,8 @@ class Widening:
     """Rounds over K, each by deepening, until one leaves nothing out for its width or depth.
 
     A width whose programs nest without end would never be over, so a round goes on by turns with
-    those of the next widths: what width K finds with T nodes is found with some 2 T (K + log T).
+    those of the next widths, each of which has half as many nodes as the one before. What width K
+    finds with T nodes is found with at most some 2^(k + 2) T, where k widths below are not over.
     """
 
     def __init__(
@@ -61,8 +62,9 @@ class Widening:
 
     def plans(self) -> Iterator[Found | None]:
         """Plans, some more than once, those of programs of width 1 first."""
-        nodes = FIRST_TURN
+        most = FIRST_TURN
         while True:
+            nodes = most
             for width in self.widths:
                 if width.is_over:
                     continue
@@ -70,8 +72,11 @@ class Widening:
                 is_over = yield from width.turn(nodes)
                 if is_over and "width" not in width.crow.left_out():
                     return
-            self._wider()
-            nodes *= 2
+                nodes //= 1 if is_over else 2
+            if nodes >= FIRST_TURN:
+                self._wider()
+            else:
+                most *= 2
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end, when width was no reason any more."""

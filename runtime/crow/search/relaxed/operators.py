@@ -6,6 +6,7 @@ of its members is run there; anywhere else it is relaxed as the rest is.
 
 from collections.abc import Iterable, Iterator
 from itertools import islice, product
+from math import prod
 from typing import Final, NamedTuple
 
 from crow.evaluate import EvaluationError
@@ -45,6 +46,8 @@ from crow.values import Value
 MOST_BRANCHES = 500
 """The ways through one body that are told apart."""
 
+MOST_TRIED = 100
+"""The objects that a bind tries; of more, those that it finds in the initial state, if any."""
 
 FIRST: Final = True
 """In an M that starts in the initial state."""
@@ -267,7 +270,11 @@ class Operators:
         statement = op.statement
         assert isinstance(statement, Bind)
         domains = [self.world.objects_of(v.type) for v in statement.variables]
-        for chosen in islice(product(*domains), MOST_BRANCHES):
+        found: Iterable[tuple[Value, ...]] = product(*domains)
+        if prod(map(len, domains)) > MOST_TRIED and op.test is not None:
+            # All of them would make operators that grow with the square of the objects.
+            found = op.choices(self.initial, way.values) or found
+        for chosen in islice(found, MOST_BRANCHES):
             values = with_slots(way.values, op.slots, chosen)
             after = way._replace(values=values)
             if op.test is None:
