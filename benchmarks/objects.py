@@ -74,8 +74,9 @@ _COLUMNS = (
     "steps", "peak MB", "load exponent", "plan exponent", "MB exponent",
 )  # fmt: skip
 _NOTE = (
-    "target: linear in stored facts. Exponents: of facts, fitted; what a process of 100 objects takes"
-    " is taken off memory. Load is from text to the runtime's problem; cdlc plan is a whole process"
+    "target: linear in stored facts. Exponents: of facts, fitted; what a process of 100 objects"
+    " takes is taken off memory. Load is from text to the runtime's problem; cdlc plan is a whole"
+    " process"
 )
 _ROOT = Path(__file__).resolve().parent.parent
 
