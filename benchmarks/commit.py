@@ -7,7 +7,7 @@ with one after each stage a single way. Where the last step wants the other tool
 """
 
 import crow
-from benchmarks.fit import base, exponent
+from benchmarks.fit import exponential, power
 from benchmarks.plot import Plot
 from benchmarks.problems import from_texts
 from benchmarks.table import Figure, Table
@@ -72,8 +72,8 @@ def run(quick: bool) -> Table:
     sizes, long = (_SIZES[:4], _LONG[:2]) if quick else (_SIZES, _LONG)
     rows = [_row(count, is_small=count in sizes) for count in (*sizes, *long)]
     without = [row[1] for row in rows if not isinstance(row[1], str)]
-    grows = base(sizes, [float(n) for n in without])
-    fitted = exponent([*sizes, *long], [float(row[2]) for row in rows])
+    grows = exponential(sizes, [float(n) for n in without]).value
+    fitted = power([*sizes, *long], [float(row[2]) for row in rows]).value
     filled = tuple((*row[:4], grows, fitted, *row[4:]) for row in rows)
     ys = ("nodes without", "nodes with commit")
     plots = (Plot("stages N", ys, "nodes"),)

@@ -14,7 +14,7 @@ from time import process_time
 
 import cdlc
 import crow
-from benchmarks.fit import exponent
+from benchmarks.fit import power
 from benchmarks.plot import Plot
 from benchmarks.table import Figure, Table
 
@@ -86,9 +86,9 @@ def run(quick: bool) -> Table:
     measured = [_measure(count) for count in (_SIZES[:2] if quick else _SIZES)]
     facts = [row[1] for row in measured]
     least = measured[0][-1]
-    fitted: list[Figure] = [exponent(facts, [row[i] for row in measured]) for i in (2, 3)]
+    fitted: list[Figure] = [power(facts, [row[i] for row in measured]).value for i in (2, 3)]
     used = [(row[1], row[-1] - least) for row in measured if row[-1] - least > 1]
-    fitted.append(exponent(*zip(*used, strict=True)) if len(used) > 1 else "-")
+    fitted.append(power(*zip(*used, strict=True)).value if len(used) > 1 else "-")
     rows = tuple((*row, *fitted) for row in measured)
     ys = ("load CPU s", "plan CPU s", "best CPU s", "iddfs CPU s", "cdlc plan CPU s")
     plots = (

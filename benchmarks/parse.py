@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from benchmarks.plot import Plot
 from benchmarks.table import Table
 
 _DOMAIN_HEAD = """domain "generated"
@@ -72,7 +73,11 @@ def run(quick: bool) -> Table:
             for lines in _SIZES[: 2 if quick else None]:
                 file = folder / f"{kind}{lines}.cdl"
                 rows.append((kind, *_measure(file, write, lines)))
-    return Table("parse", _COLUMNS, tuple(rows), _NOTE)
+    plots = (
+        Plot("lines", ("check CPU s", "bare lark CPU s"), "CPU seconds", by="file"),
+        Plot("lines", ("peak MB",), "peak MB", by="file", name="-memory"),
+    )
+    return Table("parse", _COLUMNS, tuple(rows), _NOTE, plots)
 
 
 def _measure(

@@ -47,6 +47,7 @@ class Plot:
 def draw(title: str, columns: tuple[str, ...], rows: Rows, plot: Plot, stem: Path) -> None:
     """Write a plot to `STEM.png` and `STEM.svg`. Raises ImportError without matplotlib."""
     from matplotlib.figure import Figure as Canvas
+    from matplotlib.ticker import MaxNLocator
 
     canvas = Canvas(figsize=(7, 4.5), layout="constrained")
     axes = canvas.subplots()
@@ -57,6 +58,8 @@ def draw(title: str, columns: tuple[str, ...], rows: Rows, plot: Plot, stem: Pat
         axes.set_yscale("log")
     if plot.scale == "loglog":
         axes.set_xscale("log")
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.grid(visible=True, which="major", alpha=0.3)
     axes.legend(fontsize="small")
     for kind in ("png", "svg"):

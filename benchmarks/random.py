@@ -4,6 +4,7 @@ from time import process_time
 
 import crow
 from benchmarks.peers import cpu_seconds
+from benchmarks.plot import Plot
 from benchmarks.table import Figure, Table
 from benchmarks.towers import instance, random_towers
 
@@ -21,7 +22,9 @@ def run(quick: bool) -> Table:
     """Each instance with `auto` and the peers."""
     sizes, seeds = (_SIZES[:2], 1) if quick else (_SIZES, _SEEDS)
     rows = tuple(_row(count, seed) for count in sizes for seed in range(seeds))
-    return Table("random", _COLUMNS, rows, _NOTE)
+    ys = ("CPU s", "pyperplan", "fast downward")
+    plot = Plot("blocks", ys, "CPU seconds", scale="semilogy")
+    return Table("random", _COLUMNS, rows, _NOTE, (plot,))
 
 
 def _row(count: int, seed: int) -> tuple[Figure, ...]:

@@ -5,6 +5,7 @@ from time import process_time
 
 import crow
 from benchmarks.peers import cpu_seconds
+from benchmarks.plot import Plot
 from benchmarks.table import Figure, Table
 from benchmarks.towers import instance, names
 
@@ -18,7 +19,12 @@ def run(quick: bool) -> Table:
     """Each size with the goal bottom-up, top-down and shuffled."""
     sizes = _SIZES[:2] if quick else _SIZES
     orders = ("bottom-up", "top-down", "shuffled")
-    return Table("reverse", _COLUMNS, tuple(_row(n, o) for n in sizes for o in orders), _NOTE)
+    rows = tuple(_row(n, o) for n in sizes for o in orders)
+    plots = (
+        Plot("blocks", ("CPU s",), "CPU seconds", by="goal"),
+        Plot("blocks", ("CPU s", "pyperplan", "fast downward"), "CPU seconds", name="-peers"),
+    )
+    return Table("reverse", _COLUMNS, rows, _NOTE, plots)
 
 
 def _row(count: int, order: str) -> tuple[Figure, ...]:

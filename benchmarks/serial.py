@@ -8,6 +8,7 @@ import cdlc
 import crow
 from benchmarks.htn import Positions, stacked
 from benchmarks.peers import cpu_seconds
+from benchmarks.plot import Plot
 from benchmarks.table import Figure, Table
 from benchmarks.towers import BLOCKS, Towers, instance, names, on, random_towers
 
@@ -28,7 +29,9 @@ _NOTE = (
 def run(quick: bool) -> Table:
     """One random instance a size."""
     sizes = _SIZES[:2] if quick else _SIZES
-    return Table("serial", _COLUMNS, tuple(_row(count) for count in sizes), _NOTE)
+    ys = ("CPU s", "GTPyhop CPU s", "fast downward CPU s")
+    plots = (Plot("blocks", ys, "CPU seconds"),)
+    return Table("serial", _COLUMNS, tuple(_row(count) for count in sizes), _NOTE, plots)
 
 
 def _row(count: int) -> tuple[Figure, ...]:

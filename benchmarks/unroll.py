@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from benchmarks.plot import Plot
 from benchmarks.table import Table
 
 _ROOT = Path(__file__).resolve().parent.parent
@@ -45,7 +46,11 @@ def run(quick: bool) -> Table:
         "nodes ratio", "CPU ratio",
     )  # fmt: skip
     note = "target: linear, a ratio of 10 a row. CPU without start-up, least of three."
-    return Table("unroll", columns, tuple(rows), note)
+    ys = ("DAG nodes", "model CPU s", "JSON CPU s")
+    plots = tuple(
+        Plot("iterations", (y,), y, by="loop", name=f"-{y.split()[0].lower()}") for y in ys
+    )
+    return Table("unroll", columns, tuple(rows), note, plots)
 
 
 def _measure(text: str) -> tuple[int, int, float, float]:
