@@ -80,7 +80,9 @@ class World:
         found = self._domains.get(type_)
         if found is None:
             is_subtype = self.hierarchy.is_subtype
-            found = tuple(name for name, own in self.objects.items() if is_subtype(own, type_))
+            own_types = {own.name: own for own in self.objects.values()}
+            fits = {name: is_subtype(own, type_) for name, own in own_types.items()}
+            found = tuple(name for name, own in self.objects.items() if fits[own.name])
             self._domains[type_] = found
         return found
 

@@ -5,7 +5,8 @@ has a promotable section, a bind, an assertion, an alternative, a commit or a co
 achieve. Then there is one refinement, but for the order of unordered groups.
 """
 
-from crow.conditions import is_opaque
+from crow.conditions import Wanted, is_opaque, plain
+from crow.problem import Problem
 from crow.program import (
     Achieve,
     And,
@@ -25,23 +26,25 @@ from crow.program import (
     Statement,
 )
 from crow.program.walk import statements_within
-from crow.search.compile import Programs
 
 Key = tuple[frozenset[str], bool]
 """What a literal or comparison is about: names, and whether it is negated."""
 
 
-def is_imperative(programs: Programs, goal: Expression) -> bool:
-    """Whether the program that achieves a goal leaves nothing to search."""
+def is_imperative(problem: Problem) -> bool:
+    """Whether the program that achieves the goal of a problem leaves nothing to search."""
+    world = problem.world
+    conditions = Wanted(world)
     goals: dict[Key, list[Behavior]] = {}
-    for behavior, own in programs.matching.goals:
-        goals.setdefault(_key(own), []).append(behavior)
-    pending: list[Statement] = [Achieve(goal)]
+    for behavior in world.program.behaviors:
+        if behavior.goal is not None:
+            goals.setdefault(_key(plain(behavior.goal)), []).append(behavior)
+    pending: list[Statement] = [Achieve(problem.goal)]
     seen = set[str]()
     while pending:
         match pending.pop():
             case Achieve(condition=condition):
-                normal = programs.conditions.normal(condition)
+                normal = conditions.normal(condition)
                 if isinstance(normal, And | Or | Quantified):
                     return False
                 found = [] if is_opaque(normal) else goals.get(_key(normal), [])
@@ -49,7 +52,7 @@ def is_imperative(programs: Programs, goal: Expression) -> bool:
                 if len(found) > 1 or (isinstance(normal, Compare) and not found):
                     return False
             case Call(behavior=name):
-                found = [programs.world.behaviors[name]]
+                found = [world.behaviors[name]]
             case _:
                 found = []
         new = [behavior for behavior in found if behavior.name not in seen]

@@ -2,6 +2,7 @@
 
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
 from typing import Any
 
 from crow.problem import Cell, State, World
@@ -77,9 +78,17 @@ class Store:
         found = self._indexes.get((feature, position))
         if found is None:
             found = self._indexes[feature, position] = {}
-            for (name, arguments), value in self.base.items():
-                if name == feature and value:
-                    found.setdefault(arguments[position], []).append(arguments)
+            for arguments in self._true.get(feature, ()):
+                found.setdefault(arguments[position], []).append(arguments)
+        return found
+
+    @cached_property
+    def _true(self) -> dict[str, list[tuple[str, ...]]]:
+        """The arguments of the true cells of the initial state, by feature."""
+        found: dict[str, list[tuple[str, ...]]] = {}
+        for (feature, arguments), value in self.base.items():
+            if value:
+                found.setdefault(feature, []).append(arguments)
         return found
 
 

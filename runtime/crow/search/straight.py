@@ -94,9 +94,9 @@ class Straight:
     @staticmethod
     def of(problem: Problem, depth_limit: int | None) -> "Straight | None":
         """The run of a problem; None where its program is not imperative."""
-        machine = _Machine(problem)
-        if not is_imperative(machine.programs, problem.goal):
+        if not is_imperative(problem):
             return None
+        machine = _Machine(problem)
         machine.depth_limit = _DEEPEST if depth_limit is None else depth_limit
         return Straight(machine)
 

@@ -12,7 +12,6 @@ from benchmarks.towers import Towers, random_towers
 from cdlc.driver import problem_compilation
 from crow.plan import call_text
 from crow.search.imperative import is_imperative
-from crow.search.machine import Machine
 
 T = "typedef T\nobject_constant a: T\nobject_constant b: T\nfeature p(x: T)\nfeature q(x: T)\n"
 T += "feature r()\nfeature n() -> int64\ncontroller c(x: T)\n"
@@ -96,18 +95,18 @@ IMPERATIVE = {
 @pytest.mark.parametrize("body", IMPERATIVE)
 def test_what_may_choose_or_fail_is_not_imperative(body: str) -> None:
     task = problem(MAKE + both(body))
-    assert is_imperative(Machine(task).programs, task.goal) == IMPERATIVE[body]
+    assert is_imperative(task) == IMPERATIVE[body]
 
 
 def test_two_behaviors_for_one_goal_are_a_choice_but_only_where_it_is_achieved() -> None:
     again = MAKE.replace("make", "again")
     task = problem(MAKE + again + both("achieve p(a)"))
-    assert not is_imperative(Machine(task).programs, task.goal)
+    assert not is_imperative(task)
     task = problem(MAKE + again + both("do c(a)"))
-    assert is_imperative(Machine(task).programs, task.goal)
+    assert is_imperative(task)
     undo = "behavior undo(x: T):\n  goal: not p(x)\n  body:\n    do c(x)\n  eff: p[x] = False\n"
     task = problem(MAKE + undo + both("achieve_once p(a)\n    achieve not p(a)"))
-    assert is_imperative(Machine(task).programs, task.goal)
+    assert is_imperative(task)
     assert calls(crow.plan(task)) == ["c(a)", "c(a)"]
 
 
@@ -140,7 +139,7 @@ ENDLESS = "behavior go():\n  goal: r()\n  body:\n    achieve r()\n    do c(a)\n"
 def test_where_the_run_has_no_end_a_search_takes_turns() -> None:
     # In the order written, `achieve p(a)` wants r() again, which begins with p(a) again.
     task = problem(ORDER)
-    assert is_imperative(Machine(task).programs, task.goal)
+    assert is_imperative(task)
     result = crow.plan(task, node_limit=400_000)
     assert calls(result) == ["c(b)", "c(a)"]
 
