@@ -46,7 +46,7 @@ from crow.values import Value
 MOST_BRANCHES = 500
 """The ways through one body that are told apart."""
 
-MOST_TRIED = 100
+MOST_TRIED = 20
 """The objects that a bind tries; of more, those that it finds in the initial state, if any."""
 
 FIRST: Final = True
