@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-# In the order of the table in docs/benchmarks.md; each module has `run(quick) -> Table`.
+# In the order of the table in docs/reference/benchmarks.md; each module has `run(quick) -> Table`.
 NAMES = (
     "start", "parse", "size", "imports", "unroll", "sussman", "random", "reverse", "serial",
     "objects", "thm1", "thm2", "commit",
