@@ -115,8 +115,9 @@ def changes(
     except RecursionError:
         location = statements[0].location if statements else None
         raise EvaluationError(_TOO_DEEP, location) from None
-    for cell, value in run.written.items():
-        check_bounds(world, cell, value)
+    if world.has_bounds:
+        for cell, value in run.written.items():
+            check_bounds(world, cell, value)
     return run.written
 
 
@@ -161,6 +162,12 @@ class _Evaluator:
         self.written = written
 
     def value(self, node: Expression, variables: Environment) -> Value:
+        # What is most frequent comes first; matching classes takes its time.
+        kind = type(node)
+        if kind is Variable and node.name in variables:  # type: ignore[union-attr]
+            return variables[node.name]  # type: ignore[union-attr]
+        if kind is Read:
+            return self._read(node, variables)  # type: ignore[arg-type]
         match node:
             case Read():
                 return self._read(node, variables)

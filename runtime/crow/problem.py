@@ -61,6 +61,11 @@ class World:
         return {f.name: default_value(f.type) for f in self.program.features}
 
     @cached_property
+    def has_bounds(self) -> bool:
+        """Whether the values of any feature are bounded."""
+        return any(f.bounds != (None, None) for f in self.program.features)
+
+    @cached_property
     def functions(self) -> Mapping[str, Function]:
         """Functions by name."""
         return {f.name: f for f in self.program.functions}

@@ -53,8 +53,16 @@ def statements_within(statements: Iterable[Statement]) -> Iterator[Statement]:
     """Statements and every statement nested in them, in source order."""
     for statement in statements:
         yield statement
-        nested = [child for child in children(statement) if isinstance(child, Statement)]
-        yield from statements_within(nested)
+        kind: Any = type(statement)
+        if _nests(kind):
+            nested = [child for child in children(statement) if isinstance(child, Statement)]
+            yield from statements_within(nested)
+
+
+@cache
+def _nests(cls: Any) -> bool:
+    """Whether statements of a class have others within them."""
+    return any("Statement" in str(f.type) for f in fields(cls))
 
 
 def expressions_of(statement: Statement) -> Iterator[Expression]:

@@ -36,7 +36,7 @@ from crow.program import (
 from crow.program.types import BOOL, underlying
 from crow.program.walk import free_variables
 from crow.search.states import Snapshot
-from crow.values import Value, default_value
+from crow.values import Value
 
 Slots = Mapping[str, int]
 """Where the values of the variables in scope are."""
@@ -126,7 +126,7 @@ class Compiler:
     def _read(self, node: Read, names: Mapping[str, str]) -> str:
         arguments = "".join(f"{self._source(a, names)}, " for a in node.arguments)
         cell = f"({node.feature!r}, ({arguments}))"
-        default = default_value(self.world.features[node.feature].type)
+        default = self.world.defaults[node.feature]
         if default is None:
             place = self._constant(node.location)
             base = f"(B[c] if c in B else unset(c, {place}))"
