@@ -29,7 +29,7 @@ behavior reach(y: place):
 _DEPTHS = 20
 _COLUMNS = (
     "depth d", "limit d-1", "nodes to d-1", "limit d", "nodes to d", "depth", "steps",
-    "auto: depth", "iw: depth", "no way", "nodes no way",
+    "auto: steps", "iw: depth", "no way", "nodes no way",
 )  # fmt: skip
 _NOTE = "expected: `limit: depth` below d, a plan of d steps at d, `unsolvable` where there is none"
 
@@ -59,7 +59,7 @@ def _row(depth: int) -> tuple[Figure, ...]:
     task = places(depth)
     below = crow.plan(task, "iddfs", depth_limit=depth - 1)
     at = crow.plan(task, "iddfs", depth_limit=depth)
-    others = [crow.plan(task, name).statistics["depth"] for name in ("auto", "iw")]
+    others = (len(crow.plan(task).steps), crow.plan(task, "iw").statistics["depth"])
     none = crow.plan(places(depth, has_way=False), "iddfs")
     return (
         depth, told(below), below.statistics["nodes"], told(at), at.statistics["nodes"],

@@ -24,7 +24,9 @@ def test_a_plan_of_depth_d_is_found_at_d_and_not_before(engine: str) -> None:
         assert told(crow.plan(task, engine, depth_limit=depth - 1)) == "limit: depth"
         result = crow.plan(task, engine, depth_limit=depth)
         assert isinstance(result, crow.Plan)
-        assert (result.statistics["depth"], len(result.steps)) == (depth, depth)
+        assert len(result.steps) == depth
+        if engine != "auto":  # there best-first search may be the one that finds it
+            assert result.statistics["depth"] == depth
 
 
 @pytest.mark.parametrize("engine", ["iddfs", "iw", "auto", "best", "reference"])
