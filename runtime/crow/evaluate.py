@@ -23,6 +23,7 @@ from crow.program import (
     Constant,
     Continue,
     Expression,
+    Feature,
     ForEach,
     ForRange,
     If,
@@ -121,12 +122,18 @@ def changes(
     return run.written
 
 
+def is_within(feature: Feature, value: object) -> bool:
+    """Whether the bounds of a feature allow a value."""
+    low, high = feature.bounds
+    return (low is None or value >= low) and (high is None or value <= high)  # type: ignore[operator]
+
+
 def check_bounds(world: World, cell: Cell, value: object) -> None:
     """Raise EvaluationError for a value that the bounds of its feature exclude."""
     feature = world.features[cell[0]]
-    low, high = feature.bounds
-    if (low is None or value >= low) and (high is None or value <= high):  # type: ignore[operator]
+    if is_within(feature, value):
         return
+    low, high = feature.bounds
     limits = f"at least {low}" if high is None else f"at most {high}"
     limits = limits if low is None or high is None else f"{low} to {high}"
     raise EvaluationError(

@@ -210,13 +210,14 @@ class Problem:
 
         Raises crow.evaluate.EvaluationError when its `init` cannot be computed.
         """
-        from crow.evaluate import check_bounds, execute
+        from crow.evaluate import check_bounds, execute, is_within
 
         world = World.of(program, statement.objects)
         initial = execute(world, State(), statement.init, {})
         for feature in program.features:
             unset = default_value(feature.type)
-            if feature.bounds == (None, None) or unset is None:
+            # What `init` sets was checked where it was set; of large relations that is little.
+            if unset is None or is_within(feature, unset):
                 continue
             for arguments in world.cells(feature):
                 cell = (feature.name, arguments)

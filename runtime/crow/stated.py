@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from crow.domain import Domain
-from crow.evaluate import EvaluationError, check_bounds
+from crow.evaluate import EvaluationError, check_bounds, is_within
 from crow.problem import Cell, State, World
 from crow.program import Expression, Feature, ObjectType, Parameter, Program
 from crow.reading import WrongValueError, read_json
@@ -87,7 +87,7 @@ def _check_unset(world: World, cells: Mapping[Cell, Value], init: Mapping[CellNa
     given = {_cell(world, name)[1] for name in init}
     for feature in world.program.features:
         unset = default_value(feature.type)
-        if feature.bounds == (None, None) or unset is None:
+        if unset is None or is_within(feature, unset):
             continue
         for arguments in world.cells(feature):
             cell = (feature.name, arguments)

@@ -1,9 +1,10 @@
 """Bounds of features: no state of a problem leaves them (language.md §2)."""
 
 import pytest
-from programs import start
+from programs import problem_of, start
 
 from crow.evaluate import EvaluationError
+from crow.problem import World
 from crow.transition import Unmet, apply
 
 DOMAIN = """
@@ -46,3 +47,15 @@ def test_a_transition_that_ends_outside_cannot_be_applied() -> None:
     once = apply(world, state, raise_all, ())
     assert once.problem is None
     assert isinstance(apply(world, once.state, raise_all, ()).problem, Unmet)
+
+
+def test_pairs_that_init_does_not_set_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There may be a hundred million of them."""
+
+    def cells(*_: object) -> None:
+        raise AssertionError("every pair is looked at")
+
+    monkeypatch.setattr(World, "cells", cells)
+    domain = "typedef T\nfeature [[min=0, max=9]] far(x: T, y: T) -> int64\nfeature g()\n"
+    problem = 'problem "p"\nobjects:\n  a, b: T\ninit:\n  far[a, b] = 3\ngoal: g()\n'
+    assert problem_of(domain, problem).initial.cells == {("far", ("a", "b")): 3}
