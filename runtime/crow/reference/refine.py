@@ -33,12 +33,11 @@ from crow.reference.orders import (
     EMPTY,
     Leaf,
     Order,
-    Sequence,
-    Unordered,
     is_empty,
     leaves,
+    sequence,
     tail,
-    without,
+    unordered,
 )
 from crow.reference.programs import (
     Application,
@@ -94,7 +93,7 @@ class Refinement:
         frame = Frame(Application(None, (), 0, ()))
         want = Want(self.wanted.normal(goal), frame, 0, goal.location)
         check = Check(goal, frame, goal.location)
-        right = Sequence((Leaf(want), Leaf(check)))
+        right = sequence((Leaf(want), Leaf(check)))
         return self.refine(state, {}, EMPTY, EMPTY, right)
 
     def refine(
@@ -109,13 +108,12 @@ class Refinement:
             for opened, held in self._started(middle, state, values):
                 yield from self.refine(state, held, EMPTY, opened, right)
         elif not is_empty(middle):
-            for last in tail(middle):
+            for last, rest in tail(middle):
                 self._count()
-                rest = without(middle, last)
                 yield from self._member(state, values, rest, last.content, right)
         elif not is_empty(right):
-            for last in tail(right):
-                yield from self._last(state, values, without(right, last), last)
+            for last, rest in tail(right):
+                yield from self._last(state, values, rest, last)
         else:
             yield state, values, ()
 
@@ -158,9 +156,9 @@ class Refinement:
         match member:
             case Run(statement=Assert(condition=condition) as node, frame=frame):
                 check = Leaf(Check(condition, frame, node.location))
-                yield from self.refine(state, values, EMPTY, rest, Sequence((check, right)))
+                yield from self.refine(state, values, EMPTY, rest, sequence((check, right)))
             case Run(statement=Achieve(condition=condition) as node, frame=frame):
-                after = Sequence((*self._stands(node, frame), right))
+                after = sequence((*self._stands(node, frame), right))
                 want = self._want(condition, frame, node.location)
                 yield from self._wanted_member(state, values, rest, want, after, right)
             case Want():
@@ -187,20 +185,20 @@ class Refinement:
     ) -> Iterator[Result]:
         """A condition in M: null where it completes, else refined, with `after` behind it."""
         check = Leaf(Check(want.condition, want.frame, want.location))
-        yield from self.refine(state, values, EMPTY, rest, Sequence((check, null)))
+        yield from self.refine(state, values, EMPTY, rest, sequence((check, null)))
         for part in self._choices(want):
             yield from self._wanted_member(state, values, rest, part, after, null)
         parts = self._parts(want)
         if parts:
-            joined = Unordered((rest, Unordered(tuple(map(Leaf, parts)))))
-            right = Sequence((check, after))
+            joined = unordered((rest, unordered(tuple(map(Leaf, parts)))))
+            right = sequence((check, after))
             yield from self.refine(state, values, EMPTY, joined, right)
         found, is_step = self._applications(want, state, values)
         for behavior, arguments in found:
             applied = Apply(behavior, arguments, want.frame, want.depth)
             if is_step:
                 again = replace(want, depth=want.depth + 1)
-                joined = Unordered((rest, Sequence((Leaf(applied), Leaf(again)))))
+                joined = unordered((rest, sequence((Leaf(applied), Leaf(again)))))
                 if self._is_within(want.depth + 1):
                     yield from self.refine(state, values, EMPTY, joined, after)
             else:
@@ -214,8 +212,8 @@ class Refinement:
         if application is None:
             return
         for left, middle, right, known in self._body(application, values):
-            joined = Unordered((rest, middle))
-            yield from self.refine(state, known, left, joined, Sequence((right, after)))
+            joined = unordered((rest, middle))
+            yield from self.refine(state, known, left, joined, sequence((right, after)))
 
     # ---------------------------------------------------------------------------------- L and R
 
@@ -248,7 +246,7 @@ class Refinement:
             case Achieve(condition=condition, location=location):
                 want = self._want(condition, frame, location)
                 for after, known, trace in self._achieve(state, values, want):
-                    checks = Sequence(tuple(self._stands(statement, frame)))
+                    checks = sequence(tuple(self._stands(statement, frame)))
                     held = self._hold(known, run)
                     for last in self.refine(after, held, EMPTY, EMPTY, checks):
                         yield last[0], last[1], trace + last[2]
@@ -283,13 +281,13 @@ class Refinement:
             yield from self._statement(state, values, part)
         parts = self._parts(want)
         if parts:
-            middle = Unordered(tuple(map(Leaf, parts)))
-            yield from self.refine(state, values, EMPTY, middle, Sequence((Leaf(check),)))
+            middle = unordered(tuple(map(Leaf, parts)))
+            yield from self.refine(state, values, EMPTY, middle, Leaf(check))
         found, is_step = self._applications(want, state, values)
         for behavior, arguments in found:
             applied = Apply(behavior, arguments, want.frame, want.depth)
             again = Leaf(replace(want, depth=want.depth + 1))
-            steps = Sequence((Leaf(applied), again)) if is_step else Leaf(applied)
+            steps = sequence((Leaf(applied), again)) if is_step else Leaf(applied)
             if not is_step or self._is_within(want.depth + 1):
                 yield from self.refine(state, values, EMPTY, EMPTY, steps)
 
@@ -389,7 +387,7 @@ class Refinement:
     def _recheck(self, state: State, values: Values, frame: Frame) -> Iterator[Result]:
         """What is held, asserted again before a `do` or the effect."""
         key = (frame.application, HELD)
-        checks = Sequence(tuple(map(Leaf, values.get(key, ()))))
+        checks = sequence(tuple(map(Leaf, values.get(key, ()))))
         for after, known, trace in self.refine(state, values, EMPTY, EMPTY, checks):
             yield after, {**known, key: ()}, trace
 
@@ -474,7 +472,7 @@ class Refinement:
         for left in self.programs.sequence(behavior.left, frame):
             for right in self.programs.sequence(behavior.right, frame):
                 middle = section_of(behavior, frame)
-                yield left, middle, Sequence((right, finish)), known
+                yield left, middle, sequence((right, finish)), known
 
 
 def max_nested(behavior: Behavior) -> int | None:
