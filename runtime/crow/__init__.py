@@ -16,14 +16,23 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from crow.budget import Progress
+    from crow.execution import Environment, Execution, execute
     from crow.plan import Result, Step
     from crow.planning import NotPlannable
+    from crow.policy import ControllerCall, Done, Policy, Stuck
     from crow.problem import Problem, State, World
     from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
 
 __all__ = [
     "plan",
     "plans",
+    "execute",
+    "Policy",
+    "ControllerCall",
+    "Done",
+    "Stuck",
+    "Environment",
+    "Execution",
     "Problem",
     "State",
     "World",
@@ -43,6 +52,8 @@ _PLACES = {
         ("Plan", "Unsolvable", "LimitReached", "TimedOut", "OutOfMemory"), "crow.results"
     ),
     **dict.fromkeys(("Result", "Step"), "crow.plan"),
+    **dict.fromkeys(("Policy", "ControllerCall", "Done", "Stuck"), "crow.policy"),
+    **dict.fromkeys(("execute", "Environment", "Execution"), "crow.execution"),
     "NotPlannable": "crow.planning",
 }
 
