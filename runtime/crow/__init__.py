@@ -69,13 +69,16 @@ def plan(
     depth_limit: int | None = None,
     memory_limit_mb: int | None = None,
     on_progress: "Progress | None" = None,
+    optimal: bool = False,
 ) -> "Result":
     """A plan of a problem, by refining its goal (§3 of the paper).
 
     `engine` is `auto`, `best`, `iddfs` or `reference`; `h`, the heuristic of best-first search, is
     `ff` or `add`. Limits are None for none: seconds of wall time,
     nodes, depth of nested behaviors, MiB of memory. `on_progress` is called now and then with
-    statistics.
+    statistics. With `optimal`, the search goes on for the plan that costs least (`minimize`, or the
+    number of controller calls) until none can cost less, or a limit is reached: `unproved` of the
+    plan says which.
 
     Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
     program that would have to choose values, and ValueError for an engine or heuristic that is
@@ -93,6 +96,7 @@ def plan(
         depth_limit=depth_limit,
         memory_limit_mb=memory_limit_mb,
         on_progress=on_progress,
+        optimal=optimal,
     ).first()
 
 
