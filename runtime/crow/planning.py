@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from crow.budget import Budget, Progress, Stopped
 from crow.evaluate import evaluate
+from crow.explanation import at_the_start
 from crow.plan import Result, Step
 from crow.problem import Problem
 from crow.program import Commit, Location
@@ -183,10 +184,11 @@ class Planning:
     # --------------------------------------------------------------------------------- no plan
 
     def _told(self) -> dict[str, Any]:
+        told = self.engine.explanation()
         return {
             "seed": self.seed,
             "statistics": self.statistics(),
-            "explanation": self.engine.explanation(),
+            "explanation": told or at_the_start(self.problem).text(self.problem),
         }
 
     def _unsolvable(self) -> Result:

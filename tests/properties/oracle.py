@@ -94,6 +94,8 @@ def hold_against(expected: Compared, result: Result, told: str) -> None:
     assert isinstance(result, Plan) == bool(expected.plans), (told, result)
     if isinstance(result, Plan):
         assert _identity(result.steps) in expected.plans, (told, result)
+    else:
+        assert result.explanation, (told, result)
 
 
 def pruned(problem: Problem, depth: int) -> Plans:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from crow.conditions import Wanted, is_opaque
 from crow.evaluate import EvaluationError, assignments_of, execute, holds
+from crow.explanation import Obstacle
 from crow.matching import Matching, instances
 from crow.problem import State, World
 from crow.program import (
@@ -79,6 +80,8 @@ class Refinement:
     nodes: int = 0
     is_cut: bool = False
     has_committed: bool = False
+    last: Expression | None = None
+    farthest: tuple[int, Obstacle] | None = None
     wanted: Wanted = field(init=False)
     matching: Matching = field(init=False)
     programs: Programs = field(init=False)
@@ -90,6 +93,7 @@ class Refinement:
 
     def goal(self, state: State, goal: Expression) -> Iterator[Result]:
         """Every refinement of `achieve g; assert g` (§2.2)."""
+        self.last = goal
         frame = Frame(Application(None, (), 0, ()))
         want = Want(self.wanted.normal(goal), frame, 0, goal.location)
         check = Check(goal, frame, goal.location)
@@ -284,6 +288,10 @@ class Refinement:
             middle = unordered(tuple(map(Leaf, parts)))
             yield from self.refine(state, values, EMPTY, middle, Leaf(check))
         found, is_step = self._applications(want, state, values)
+        if is_opaque(want.condition):
+            self._note(state, values, want, "nothing can make it true")
+        elif not found and not isinstance(want.condition, And | Or | Quantified):
+            self._note(state, values, want, "no behavior achieves it")
         for behavior, arguments in found:
             applied = Apply(behavior, arguments, want.frame, want.depth)
             again = Leaf(replace(want, depth=want.depth + 1))
@@ -306,10 +314,14 @@ class Refinement:
         if holds(self.world, state, condition, variables):
             item = AssertItem(condition, variables, expression_text(condition), location)
             yield state, values, ((item, frame.application),)
+        else:
+            where = Want(condition, frame, 0, location)
+            self._note(state, values, where, "it is false here")
 
     def _bind(
         self, state: State, values: Values, run: Run, node: Bind, frame: Frame
     ) -> Iterator[Result]:
+        is_possible = False
         for chosen in assignments_of(self.world, node.variables, environment(values, frame)):
             known = dict(values)
             for variable in node.variables:
@@ -323,10 +335,20 @@ class Refinement:
             known[key] = {**known.get(key, {}), **bound}
             if node.condition is None:
                 yield state, known, ()
-            else:
+            elif self._is_true(state, known, node.condition, frame):
+                is_possible = True
                 held = self._hold(known, run)
                 check = Check(node.condition, frame, node.location)
                 yield from self._statement(state, held, check)
+        if node.condition is not None and not is_possible:
+            want = Want(node.condition, frame, 0, node.location)
+            self._note(state, values, want, "no object is like this")
+
+    def _is_true(self, state: State, values: Values, condition: Expression, frame: Frame) -> bool:
+        try:
+            return holds(self.world, state, condition, environment(values, frame))
+        except EvaluationError:
+            return False
 
     def _do(self, state: State, values: Values, node: Do, frame: Frame) -> Iterator[Result]:
         controller = self.world.controllers[node.controller]
@@ -360,6 +382,17 @@ class Refinement:
             )
             after = execute(self.world, state, behavior.effect, variables)
             yield after, known, (*trace, (item, application))
+
+    def _note(self, state: State, values: Values, want: Want, reason: str) -> None:
+        """Remember what failed, if nothing came farther: the goal is last, then more variables are.
+
+        The engine knows no trace before it is complete; but variables only come to those before.
+        """
+        how_far = len(values) + (1 << 30) * (want.condition is self.last)
+        if self.farthest is None or how_far > self.farthest[0]:
+            variables = environment(values, want.frame)
+            told = Obstacle(want.condition, variables, want.location, reason, state.cells)
+            self.farthest = how_far, told
 
     # ------------------------------------------------------------------------------- what is held
 
