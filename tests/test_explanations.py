@@ -52,7 +52,7 @@ REASONS = (
     "no behavior achieves it",
     "no object is like this",
     "nothing can make it true",
-    "it is false at the start",
+    "it has not become true so far",
 )
 
 

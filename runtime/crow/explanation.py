@@ -61,4 +61,4 @@ class Obstacle:
 def at_the_start(problem: Problem) -> Obstacle:
     """The goal, where nothing else is known to have failed."""
     goal = problem.goal
-    return Obstacle(goal, {}, goal.location, "it is false at the start", problem.initial.cells)
+    return Obstacle(goal, {}, goal.location, "it has not become true so far", problem.initial.cells)

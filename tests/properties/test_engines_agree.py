@@ -80,6 +80,12 @@ def check_the_mix(told: Counter[str], record_property: Callable[[str, object], N
         assert told[name] >= 0.02 * compared, (name, told)
 
 
+def shorten_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have both searches of `auto` at work on programs that one turn would be enough for."""
+    monkeypatch.setattr(strategies, "DEEPENING_TURN", 8)
+    monkeypatch.setattr(strategies, "BEST_TURN", 40)
+
+
 def by_turns(seed: int) -> tuple[tuple[str, str], ...]:
     """Best-first search with one of its heuristics, alone or within `auto`."""
     return (ENGINES[1 + seed % 4],)
@@ -91,8 +97,8 @@ def test_random_programs(
     record_property: Callable[[str, object], None],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """2,000 programs to depth 2; `auto` has turns so short that both of its searches have some."""
-    monkeypatch.setattr(strategies, "FIRST_TURN", 8)
+    """2,000 programs to depth 2."""
+    shorten_turns(monkeypatch)
     check_the_mix(compare_random(part * 1_000, 100, 2, by_turns), record_property)
 
 
@@ -104,6 +110,6 @@ def test_many_random_programs(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """5,000 programs to depth 3, with every engine."""
-    monkeypatch.setattr(strategies, "FIRST_TURN", 8)
+    shorten_turns(monkeypatch)
     told = compare_random(100_000 + part * 1_000, 100, 3, lambda _: ENGINES)
     check_the_mix(told, record_property)

@@ -6,14 +6,8 @@ from crow.search.machine import Machine
 
 
 def explanation(machine: Machine) -> str | None:
-    """The condition that failed farthest on the way, and the facts it reads.
-
-    The goal, where nothing had failed yet; None where nothing was begun.
-    """
+    """The condition that failed farthest on the way, and the facts it reads; None without one."""
     dead = machine.dead
-    if dead.test is None or dead.state is None:
-        goal = machine.programs.goal(machine.problem.goal)[1]
-        dead.note(machine.start(), "it has not become true so far", goal, ())
     if dead.test is None or dead.state is None:
         return None
     test = dead.test
