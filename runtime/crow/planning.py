@@ -222,7 +222,7 @@ def _commits(problem: Problem) -> bool:
 
 def _identity(steps: tuple[Step, ...]) -> tuple[object, ...]:
     return tuple(
-        (s.behavior, s.behavior_arguments, tuple(s.bindings.items()), s.controller, s.arguments)
+        (s.behavior, s.behavior_arguments, frozenset(s.bindings.items()), s.controller, s.arguments)
         for s in steps
     )
 

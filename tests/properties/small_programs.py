@@ -278,7 +278,7 @@ class Maker:
 
     def body(self, index: int, scope: list[str]) -> tuple[list[str], set[str]]:
         """The lines of a body, and what is interesting about them."""
-        if self.chance(0.4):
+        if self.chance(0.25):
             lines = self.statements(index, scope, self.rng.randrange(0, self.most + 1))
             return lines or ["pass"], set()
         marks = set()

@@ -40,6 +40,26 @@ def test_blocks(program: str, tower: str) -> None:
             assert depth == 2  # much of it promotable, the reference goes on for hours
 
 
+def test_binds_in_either_order_are_one_plan() -> None:
+    domain = """
+typedef T
+object_constant home: T
+feature r()
+controller c()
+behavior b():
+  goal: r()
+  body:
+    unordered:
+      bind v: T
+      bind w: T
+    do c()
+  eff:
+    r[...] = True
+"""
+    found = compare(problem_of(domain, 'problem "p"\ngoal: r()\n'), 1)
+    assert len(found.plans) == 1
+
+
 def compare_random(
     first: int, number: int, depth: int, engines: Callable[[int], tuple[tuple[str, str], ...]]
 ) -> Counter[str]:
