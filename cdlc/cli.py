@@ -191,6 +191,10 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
         " default: %(default)s",
     )  # fmt: skip
     command.add_argument("--seed", type=int, default=0, metavar="N", help="default: %(default)s")
+    command.add_argument(
+        "--optimal", action="store_true",
+        help="go on for the plan that costs least: `minimize`, or the number of controller calls",
+    )  # fmt: skip
     _emission(command)
     command.add_argument("--time-limit", type=_positive(float), metavar="S", help="seconds")
     command.add_argument("--max-memory", type=_positive(int), metavar="MB")

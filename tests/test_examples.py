@@ -136,6 +136,7 @@ def test_the_readme_s_python_runs(
     printed = capsys.readouterr().out
     assert "(define (domain blocks)" in printed
     assert "\n4 steps\n" in printed
+    assert "given up: a call failed too often: unstack(C, A)" in printed
 
 
 def test_the_tutorial_s_domain_is_the_example() -> None:

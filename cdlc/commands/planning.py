@@ -34,6 +34,8 @@ def plan(options: argparse.Namespace) -> int:
         return INPUT_ERRORS
     from crow.planning import ENGINES
 
+    if options.optimal and options.engine not in ENGINES:
+        return usage("--optimal is for the engines of the runtime: " + ", ".join(ENGINES))
     run = _plan_natively if options.engine in ENGINES else _plan_with_pddl
     return run(options, compilation)
 
@@ -53,6 +55,7 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
         time_limit=options.time_limit,
         memory_limit_mb=options.max_memory,
         on_progress=_show_progress if shows else None,
+        optimal=options.optimal,
     )
     try:
         result = planning.first()

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 
     from crow.budget import Progress
     from crow.domain import Domain, load, load_problem
+    from crow.execution import Environment, Execution, execute
     from crow.plan import Result, Step
     from crow.planning import NotPlannable
+    from crow.policy import ControllerCall, Done, Policy, Stuck
     from crow.problem import Problem, State, World
     from crow.program.codec import ProgramFormatError
     from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
@@ -30,6 +32,13 @@ __all__ = [
     "load",
     "load_problem",
     "Domain",
+    "execute",
+    "Policy",
+    "ControllerCall",
+    "Done",
+    "Stuck",
+    "Environment",
+    "Execution",
     "Problem",
     "ProblemError",
     "ProgramFormatError",
@@ -51,6 +60,8 @@ _PLACES = {
         ("Plan", "Unsolvable", "LimitReached", "TimedOut", "OutOfMemory"), "crow.results"
     ),
     **dict.fromkeys(("Result", "Step"), "crow.plan"),
+    **dict.fromkeys(("Policy", "ControllerCall", "Done", "Stuck"), "crow.policy"),
+    **dict.fromkeys(("execute", "Environment", "Execution"), "crow.execution"),
     "NotPlannable": "crow.planning",
     **dict.fromkeys(("Domain", "load", "load_problem"), "crow.domain"),
     "ProblemError": "crow.stated",
@@ -69,12 +80,16 @@ def plan(
     depth_limit: int | None = None,
     memory_limit_mb: int | None = None,
     on_progress: "Progress | None" = None,
+    optimal: bool = False,
 ) -> "Result":
     """A plan of a problem, by refining its goal (§3 of the paper).
 
     `engine` is `auto`, `best`, `iddfs`, `iw` or `reference`; `h`, the heuristic of best-first
     search, is `ff` or `add`. Limits are None for none: seconds of wall time, nodes, depth of nested
-    behaviors, MiB of memory. `on_progress` is called now and then with statistics.
+    behaviors, MiB of memory. `on_progress` is called now and then with
+    statistics. With `optimal`, the search goes on for the plan that costs least (`minimize`, or the
+    number of controller calls) until none can cost less, or a limit is reached: `unproved` of the
+    plan says which.
 
     Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
     program that would have to choose values, and ValueError for an engine or heuristic that is
@@ -92,6 +107,7 @@ def plan(
         depth_limit=depth_limit,
         memory_limit_mb=memory_limit_mb,
         on_progress=on_progress,
+        optimal=optimal,
     ).first()
 
 

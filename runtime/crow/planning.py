@@ -5,17 +5,23 @@ left, or a limit is reached. Each plan is replayed by `crow.replay` before it is
 """
 
 from collections.abc import Iterator
-from typing import Any, Protocol
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Protocol
 
 from crow.budget import Budget, Progress, Stopped
 from crow.evaluate import evaluate
+from crow.explanation import at_the_start
 from crow.plan import Result, Step
 from crow.problem import Problem
-from crow.program import Location
+from crow.program import Commit, Location
+from crow.program.walk import statements_within
 from crow.replay import Replay, replay_to_goal
 from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
 from crow.support import unsupported
 from crow.trace import Trace
+
+if TYPE_CHECKING:
+    from crow.search.optimal import Cheapest
 
 ENGINES = ("auto", "best", "iddfs", "iw", "reference")
 """The engines of the runtime; `auto` is `iddfs` and `best` by turns."""
@@ -55,7 +61,8 @@ class Planning:
     """One search for the plans of a problem.
 
     Limits are None for none; `depth_limit` is the deepest round. The result is the same for the
-    same engine and node limit; `seed` is kept for engines that draw values.
+    same engine and node limit; `seed` is kept for engines that draw values. With `optimal`, `first`
+    goes on for the cheapest plan until none can be cheaper or a limit is reached.
     """
 
     def __init__(
@@ -70,6 +77,7 @@ class Planning:
         depth_limit: int | None = None,
         memory_limit_mb: int | None = None,
         on_progress: Progress | None = None,
+        optimal: bool = False,
     ) -> None:
         if engine not in ENGINES:
             raise ValueError(f"no engine `{engine}`; there are {', '.join(ENGINES)}")
@@ -83,6 +91,9 @@ class Planning:
         self.seed = seed
         self.budget = Budget(time_limit, node_limit, memory_limit_mb, on_progress)
         self.engine = _engine(problem, engine, self._check, depth_limit, h)
+        self.depth_limit = depth_limit
+        self.optimal = optimal
+        self.cheapest: Cheapest | None = None
         self.end: Result | None = None
 
     def plans(self) -> Iterator[Plan]:
@@ -102,19 +113,59 @@ class Planning:
             self.end = self._stopped(stopped.reason)
 
     def first(self) -> Result:
-        """The first plan, or the typed result that says why there is none."""
-        found = next(self.plans(), None)
-        if found is not None:
+        """The first plan, or the cheapest; or the typed result that says why there is none."""
+        plans = self.plans()
+        found = next(plans, None)
+        if found is None:
+            assert self.end is not None
+            return self.end
+        if not self.optimal:
             return found
-        assert self.end is not None
-        return self.end
+        if self.name == "reference" or _commits(self.problem):
+            return self._cheapest_of(found, plans)
+        return self._improved(found)
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far."""
-        return {"seconds": round(self.budget.seconds, 3), **self.engine.statistics()}
+        told = self.engine.statistics()
+        if self.cheapest is not None:
+            told["nodes"] += self.cheapest.machine.counters.nodes
+        return {"seconds": round(self.budget.seconds, 3), **told}
 
     def _check(self, nodes: int) -> None:
         self.budget.check(nodes, self.statistics)
+
+    # -------------------------------------------------------------------------------- cheapest plan
+
+    def _cheapest_of(self, best: Plan, plans: Iterator[Plan]) -> Plan:
+        """The cheapest plan that an engine enumerates."""
+        best = min((best, *plans), key=_cost_of)
+        match self.end:
+            case LimitReached(limits=limits):
+                unproved = limits
+            case TimedOut():
+                unproved = ("time",)
+            case OutOfMemory():
+                unproved = ("memory",)
+            case _:
+                unproved = ()
+        return replace(best, statistics=self.statistics(), unproved=unproved)
+
+    def _improved(self, best: Plan) -> Plan:
+        """The cheapest plan, by branch and bound from one plan on."""
+        from crow.search.optimal import Cheapest
+
+        before = self.engine.statistics()["nodes"]
+        search = Cheapest(self.problem, lambda nodes: self._check(before + nodes), self.depth_limit)
+        self.cheapest, search.bound = search, _cost_of(best)
+        try:
+            for found in search.plans():
+                best = self._plan(*found)
+                search.bound = _cost_of(best)
+            unproved = search.left_out()
+        except Stopped as stopped:
+            unproved = (stopped.reason,)
+        return replace(best, statistics=self.statistics(), unproved=unproved)
 
     def _plan(self, steps: tuple[Step, ...], trace: Trace) -> Plan:
         replayed = replay_to_goal(self.problem, trace, keeps_states=False)
@@ -133,10 +184,11 @@ class Planning:
     # --------------------------------------------------------------------------------- no plan
 
     def _told(self) -> dict[str, Any]:
+        told = self.engine.explanation()
         return {
             "seed": self.seed,
             "statistics": self.statistics(),
-            "explanation": self.engine.explanation(),
+            "explanation": told or at_the_start(self.problem).text(self.problem),
         }
 
     def _unsolvable(self) -> Result:
@@ -157,9 +209,20 @@ class Planning:
                 return self._limit(reason)
 
 
+def _cost_of(plan: Plan) -> float:
+    assert plan.cost is not None
+    return plan.cost
+
+
+def _commits(problem: Problem) -> bool:
+    """Whether a program keeps some of its plans from being tried."""
+    bodies = (s for b in problem.world.program.behaviors for s in statements_within(b.body))
+    return any(isinstance(s, Commit) for s in bodies)
+
+
 def _identity(steps: tuple[Step, ...]) -> tuple[object, ...]:
     return tuple(
-        (s.behavior, s.behavior_arguments, tuple(s.bindings.items()), s.controller, s.arguments)
+        (s.behavior, s.behavior_arguments, frozenset(s.bindings.items()), s.controller, s.arguments)
         for s in steps
     )
 

@@ -1,15 +1,54 @@
 """What `crow.plan` returns: a plan, or one of the ways in which there is none."""
 
 from dataclasses import dataclass, field
+from typing import Any, Final
 
 from crow.plan import Result, took
+
+LIMITS: Final = {
+    "depth": "the depth limit was reached",
+    "nodes": "the node limit was reached",
+    "time": "the time limit was reached",
+    "memory": "the memory limit was reached",
+    "commit": "a `commit` kept choices from being tried",
+    "recursion": "the reference engine ran out of Python's stack",
+}
+"""What ends a search, for people."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan(Result):
-    """A plan: steps whose trace was replayed from the initial state to the goal."""
+    """A plan: steps whose trace was replayed from the initial state to the goal.
+
+    `unproved` is for plans that had to be the cheapest: None if that was not asked for, else the
+    limits that kept it from being proved, which are none if it is.
+    """
 
     status: str = field(default="plan", init=False)
+    unproved: tuple[str, ...] | None = None
+
+    @property
+    def is_proved_optimal(self) -> bool:
+        """Whether no plan of the program costs less, by proof."""
+        return self.unproved == ()
+
+    def summary(self) -> str:
+        """One line for people: the plan, and what is known of its cost."""
+        told = Result.summary(self)
+        if self.unproved is None:
+            return told
+        if self.is_proved_optimal:
+            return f"{told}; cost {self.cost:g}, and no plan costs less"
+        reasons = ", ".join(LIMITS[limit] for limit in self.unproved)
+        return f"{told}; cost {self.cost:g}, not proved to be the least: {reasons}"
+
+    def json(self) -> dict[str, Any]:
+        """The `plan --format json` document (schemas/plan.json)."""
+        document = Result.json(self)
+        if self.unproved is not None:
+            limits = list(self.unproved)
+            document["optimality"] = {"proved": self.is_proved_optimal, "limits": limits}
+        return document
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +78,7 @@ class LimitReached(Result):
 
     def summary(self) -> str:
         """One line for people, with the limits."""
-        told = {
-            "depth": "the depth limit was reached",
-            "nodes": "the node limit was reached",
-            "commit": "a `commit` kept choices from being tried",
-            "recursion": "the reference engine ran out of Python's stack",
-        }
-        reasons = ", ".join(told[limit] for limit in self.limits)
+        reasons = ", ".join(LIMITS[limit] for limit in self.limits)
         return f"no plan found: {reasons} ({self.engine}{took(self.statistics)})"
 
 

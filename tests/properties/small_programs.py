@@ -1,22 +1,67 @@
 """Random small programs over objects for comparing the planner's engines: texts, from a seed.
 
-Every construct of bodies occurs: L, M and R, groups, loops, binds, calls, compound conditions,
-derived functions, numbers, effects of controllers, methods.
+Every construct of bodies but `commit` occurs: L, M and R, groups, loops, binds, calls, compound
+conditions, derived functions, numbers, subtypes, effects of controllers, methods.
 """
 
 import random
+import re
 from dataclasses import dataclass, field
 
 FEATURES = {"p": 1, "q": 1, "on": 2, "r": 0, "s": 0}
+LITERAL = re.compile(rf"(not )?\b({'|'.join(FEATURES)})\(")
+WRITE = re.compile(rf"({'|'.join(FEATURES)})\[.*\] = (True|False)")
+
+CONSTRUCTS = {
+    name: re.compile(words)
+    for name, words in {
+        "bind": r"bind v\d+: T where",
+        "bind of a subtype": r"bind v\d+: U",
+        "unordered": "unordered:",
+        "alternative": "alternative:",
+        "foreach": r"foreach e\d+",
+        "for": "for k in",
+        "if": r"if .*:",
+        "let": "let ",
+        "call": r"\n +b\d\(",
+        "max_nested": "max_nested",
+        "number": r"achieve.* n\(\) [=><!]",
+        "numeric goal": r"goal: n\(\)",
+        "derived function": r"achieve.*some\(",
+        "derived goal": r"goal: some\(",
+        "negative": "achieve not",
+        "negative goal": "goal: not",
+        "value": r"achieve.* at\(.*\) ==",
+        "value goal": r"goal: at\(",
+        "achieve_once": "achieve_once",
+        "assert": "assert",
+        "opaque": r"achieve.* \^ ",
+        "subtype": r"behavior .*: U",
+        "promotable": "promotable:",
+        "promotable sequential": "promotable sequential:",
+    }.items()
+}
+"""What occurs in programs, and how to see it in their text."""
 
 
 @dataclass
 class Small:
-    """A domain and a problem, and what is interesting about them."""
+    """A domain and a problem, and what is interesting about behaviors, by their names."""
 
     domain: str
     problem: str
-    marks: frozenset[str]
+    marks: dict[str, set[str]]
+
+
+@dataclass
+class Written:
+    """A behavior: what it is for, what it achieves and what it writes, as feature and value."""
+
+    name: str
+    marks: set[str]
+    goal: tuple[str, bool] | None
+    achieves: set[tuple[str, bool]]
+    writes: set[tuple[str, bool]]
 
 
 @dataclass
@@ -25,7 +70,7 @@ class Maker:
 
     rng: random.Random
     most: int = 3
-    marks: set[str] = field(default_factory=set)
+    behaviors: list["Written"] = field(default_factory=list)
     arities: list[int] = field(default_factory=list)
     goals: list[str] = field(default_factory=list)
     called: set[int] = field(default_factory=set)
@@ -33,6 +78,9 @@ class Maker:
 
     def chance(self, share: float) -> bool:
         return self.rng.random() < share
+
+    def type_(self) -> str:
+        return "U" if self.chance(0.15) else "T"
 
     # ---------------------------------------------------------------------------------- conditions
 
@@ -103,7 +151,7 @@ class Maker:
                     self.names += 1
                     name = f"e{self.names}"
                     inside = self.member(index, [name, *scope], 0)
-                    return [f"foreach {name}: T:", *(f"  {line}" for line in inside)]
+                    return [f"foreach {name}: {self.type_()}:", *(f"  {line}" for line in inside)]
                 case _:
                     return [f"if {self.literal(scope)}:", *block]
         if kind < 8:
@@ -127,7 +175,7 @@ class Maker:
             name = f"v{self.names}"
             where = f" where: {self.condition([name, *scope])}" if self.chance(0.8) else ""
             scope.append(name)
-            return [f"bind {name}: T{where}"]
+            return [f"bind {name}: {self.type_()}{where}"]
         if kind == 3:
             self.names += 1
             value = self.term(scope)
@@ -146,6 +194,7 @@ class Maker:
                     "sequential:",
                     "alternative:",
                     "foreach",
+                    "for k in range(2):",
                     f"if {self.literal(scope)}:",
                 ]
             )
@@ -153,7 +202,7 @@ class Maker:
             if word == "foreach":
                 self.names += 1
                 inner.append(f"e{self.names}")
-                word = f"foreach e{self.names}: T:"
+                word = f"foreach e{self.names}: {self.type_()}:"
             if word == "alternative:":  # what one choice declares, another cannot see
                 return [word, *(f"  {self.achieve(inner)}" for _ in range(2))]
             block = self.statements(index, inner, self.rng.randrange(1, 3), depth - 1)
@@ -180,11 +229,13 @@ class Maker:
 
     def goal(self, arity: int) -> tuple[str, str]:
         """A goal over the first parameters, and the assignment that establishes it."""
-        kind = self.rng.randrange(10)
+        kind = self.rng.randrange(12)
         if kind == 0:
-            return "n() == k", "n = k"
+            return f"n() {self.rng.choice(['==', '>='])} k", "n = k"
         if kind == 1 and arity >= 2:
             return "at(x0) == x1", "at[x0] = x1"
+        if kind == 2 and arity:
+            return "some(x0)", self.rng.choice(["p[x0] = True", "q[x0] = True"])
         names = [n for n, size in FEATURES.items() if size <= arity]
         name = self.rng.choice(names)
         own = ", ".join(f"x{i}" for i in range(FEATURES[name]))
@@ -196,7 +247,8 @@ class Maker:
         arity = self.arities[index]
         scope = [f"x{i}" for i in range(arity)]
         goal, written = self.goal(arity)
-        parameters = [f"{name}: T" for name in scope]
+        types = [self.type_() if index not in self.called else "T" for _ in scope]
+        parameters = [f"{name}: {type_}" for name, type_ in zip(scope, types, strict=True)]
         has_goal = self.chance(0.93)
         if "k" in goal.split():
             if has_goal and index not in self.called:
@@ -209,35 +261,48 @@ class Maker:
             lines.append(f"  goal: {goal}")
             self.goals.append(goal)
         lines.append("  body:")
-        lines += [f"    {line}" for line in self.body(index, scope)]
-        if self.chance(0.85):
-            lines += ["  eff:", *(f"    {line}" for line in self.effect(written, scope))]
+        body, marks = self.body(index, scope)
+        lines += [f"    {line}" for line in body]
+        effect = self.effect(written, scope) if self.chance(0.85) else []
+        if effect:
+            lines += ["  eff:", *(f"    {line}" for line in effect)]
+        own = Written(
+            f"b{index}",
+            marks,
+            goal=next(iter(_writes([written])), None) if has_goal else None,
+            achieves=_literals(body),
+            writes=_writes(effect),
+        )
+        self.behaviors.append(own)
         return lines
 
-    def body(self, index: int, scope: list[str]) -> list[str]:
-        if self.chance(0.4):
-            return self.statements(index, scope, self.rng.randrange(0, self.most + 1)) or ["pass"]
-        size = self.rng.randrange(0, 2)
+    def body(self, index: int, scope: list[str]) -> tuple[list[str], set[str]]:
+        """The lines of a body, and what is interesting about them."""
+        if self.chance(0.25):
+            lines = self.statements(index, scope, self.rng.randrange(0, self.most + 1))
+            return lines or ["pass"], set()
+        marks = set()
+        size = self.rng.choice([0, 0, 0, 1, 1, 1, 2])
         inner = list(scope)
         left: list[str] = []
         for _ in range(size):
             left += self.statement(index, inner, 0)
         members = [
             line
-            for _ in range(self.rng.randrange(1, self.most + 1))
+            for _ in range(min(self.rng.choice([1, 1, 2, 2, 3]), self.most))
             for line in self.member(index, inner, 1)
         ]
         order = self.rng.choice(["promotable:", "promotable sequential:"])
         right = self.statements(index, inner, self.rng.randrange(0, self.most))
         if any(line.startswith(("achieve", "do ", "b")) and "bind" not in line for line in left):
-            self.marks.add("acting L")
+            marks.add("acting L")
         if sum("achieve" in line for line in members) >= 2:
-            self.marks.add("interleaving")
-        return [*left, order, *(f"  {line}" for line in members), *right]
+            marks.add("interleaving")
+        return [*left, order, *(f"  {line}" for line in members), *right], marks
 
     def domain(self) -> str:
         self.arities = [self.rng.choice([0, 1, 1, 2]) for _ in range(self.rng.randrange(2, 6))]
-        lines = ["typedef T", "object_constant home: T"]
+        lines = ["typedef T", "typedef U: T", "object_constant home: T"]
         for name, arity in FEATURES.items():
             inner = ", ".join(f"x{i}: T" for i in range(arity))
             lines.append(f"feature {name}({inner})")
@@ -251,6 +316,15 @@ class Maker:
         for index in range(len(self.arities)):
             lines += self.behavior(index)
         return "\n".join(lines) + "\n"
+
+    def marked(self) -> list[Written]:
+        """The behaviors, marked also where what they achieve may establish their own goals."""
+        for parent in self.behaviors:
+            for child in self.behaviors:
+                is_child = child.goal is not None and child.goal in parent.achieves
+                if is_child and parent.goal in child.writes:
+                    parent.marks.add("established by a child")
+        return self.behaviors
 
     def wanted(self, everyone: list[str]) -> str:
         """Mostly what some behavior achieves."""
@@ -266,7 +340,8 @@ class Maker:
         everyone = ["home", *names]
         lines = ['problem "small"']
         if names:
-            lines += ["objects:", f"  {', '.join(names)}: T"]
+            types = ["T", "U"]
+            lines += ["objects:", *(f"  {n}: {t}" for n, t in zip(names, types, strict=False))]
         lines += ["init:", "  foreach x: T: at[x] = home"]
         lines += [f"  {self.cell(everyone, '[]')} = True" for _ in range(self.rng.randrange(0, 4))]
         goals = [self.wanted(everyone) for _ in range(self.rng.choice([1, 1, 2]))]
@@ -278,4 +353,16 @@ def small_program(seed: int, most: int = 3) -> Small:
     """The program of a seed."""
     maker = Maker(random.Random(seed), most)
     domain = maker.domain()
-    return Small(domain, maker.problem(maker.rng.randrange(1, 4)), frozenset(maker.marks))
+    problem = maker.problem(maker.rng.randrange(1, 4))
+    return Small(domain, problem, {b.name: b.marks for b in maker.marked()})
+
+
+def _literals(lines: list[str]) -> set[tuple[str, bool]]:
+    """What the achieves of a body want, whichever its arguments."""
+    achieves = (line for line in lines if "achieve" in line)
+    return {(m[2], m[1] is None) for line in achieves for m in LITERAL.finditer(line)}
+
+
+def _writes(lines: list[str]) -> set[tuple[str, bool]]:
+    """What an effect writes, whichever its arguments."""
+    return {(m[1], m[2] == "True") for line in lines for m in WRITE.finditer(line)}

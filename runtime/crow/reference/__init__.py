@@ -74,5 +74,6 @@ class ReferenceEngine:
         return {"nodes": self.nodes + self.last.nodes}
 
     def explanation(self) -> str | None:
-        """Nothing: the engine looks at conditions one at a time, from the end."""
-        return None
+        """The condition that failed farthest on the way in the last round."""
+        farthest = self.last.farthest
+        return None if farthest is None else farthest[1].text(self.problem)

@@ -1,8 +1,10 @@
-"""Partially ordered programs: nested sequences and unordered sets (App. A)."""
+"""Partially ordered programs: nested sequences and unordered sets (App. A).
 
-from collections.abc import Iterator
+`sequence` and `unordered` make them, and leave out what is empty; so only what has no parts is.
+"""
+
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from operator import is_
 from typing import Any
 
 
@@ -32,36 +34,43 @@ Order = Leaf | Sequence | Unordered
 EMPTY = Sequence()
 
 
+def sequence(parts: Iterable[Order]) -> Order:
+    """Parts that follow one another; those of a sequence among them take its place."""
+    return _grouped(Sequence, parts)
+
+
+def unordered(parts: Iterable[Order]) -> Order:
+    """Parts in any order; those of a set among them take its place."""
+    return _grouped(Unordered, parts)
+
+
+def _grouped(kind: type[Sequence] | type[Unordered], parts: Iterable[Order]) -> Order:
+    own: list[Order] = []
+    for part in parts:
+        if isinstance(part, kind):
+            own.extend(part.parts)
+        elif not is_empty(part):
+            own.append(part)
+    return own[0] if len(own) == 1 else kind(tuple(own))
+
+
 def is_empty(order: Order) -> bool:
     """Whether no statement is left."""
-    return not isinstance(order, Leaf) and all(map(is_empty, order.parts))
+    return not isinstance(order, Leaf) and not order.parts
 
 
-def tail(order: Order) -> Iterator[Leaf]:
-    """The statements that may be the last one (the tail operator of App. A)."""
+def tail(order: Order) -> Iterator[tuple[Leaf, Order]]:
+    """The statements that may be the last one, each with the rest (the tail operator of App. A)."""
     match order:
         case Leaf():
-            yield order
-        case Sequence(parts=parts):
-            filled = [part for part in parts if not is_empty(part)]
-            if filled:
-                yield from tail(filled[-1])
+            yield order, EMPTY
+        case Sequence(parts=(*before, last)):
+            for leaf, rest in tail(last):
+                yield leaf, sequence((*before, rest))
         case Unordered(parts=parts):
-            for part in parts:
-                yield from tail(part)
-
-
-def without(order: Order, leaf: Leaf) -> Order:
-    """The order with one statement taken out, and with it what is empty."""
-    if order is leaf:
-        return EMPTY
-    if isinstance(order, Leaf):
-        return order
-    parts = [without(part, leaf) for part in order.parts]
-    filled = tuple(part for part in parts if isinstance(part, Leaf) or part.parts)
-    if len(filled) == len(order.parts) and all(map(is_, filled, order.parts)):
-        return order
-    return type(order)(filled)
+            for index, part in enumerate(parts):
+                for leaf, rest in tail(part):
+                    yield leaf, unordered((*parts[:index], rest, *parts[index + 1 :]))
 
 
 def leaves(order: Order) -> Iterator[Leaf]:

@@ -1,6 +1,6 @@
 """Behaviors as partially ordered programs, and the variables of their applications."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -20,7 +20,7 @@ from crow.program import (
 )
 from crow.program.names import fresh_name
 from crow.program.walk import statements_within
-from crow.reference.orders import EMPTY, Leaf, Order, Sequence, Unordered, leaves
+from crow.reference.orders import EMPTY, Leaf, Order, Sequence, leaves, sequence, unordered
 from crow.values import Value
 
 
@@ -141,7 +141,7 @@ class Programs:
     def sequence(self, statements: tuple[Statement, ...], frame: Frame) -> Iterator[Order]:
         """A block in its order; one for each way to choose in its `alternative` groups."""
         choices = [tuple(self.order(statement, frame)) for statement in statements]
-        return (Sequence(parts) for parts in product(*choices))
+        return map(sequence, product(*choices))
 
     def order(self, node: Statement, frame: Frame) -> Iterator[Order]:
         """The order of what a statement stands for."""
@@ -151,7 +151,7 @@ class Programs:
             case Group(order="unordered", body=body):
                 inner = frame.inner()
                 choices = [tuple(self.order(part, inner)) for part in body]
-                yield from map(Unordered, product(*choices))
+                yield from map(unordered, product(*choices))
             case Group(body=body):
                 for chosen in body:
                     yield from self.order(chosen, frame.inner())
@@ -160,14 +160,14 @@ class Programs:
                     tuple(self.sequence(node.body, frame.inner(fixed)))
                     for fixed in self._objects(node)
                 ]
-                yield from map(Unordered, product(*blocks))
+                yield from map(unordered, product(*blocks))
             case ForRange(variable=variable):
                 numbers = range(node.start, node.stop, node.step)
                 blocks = [
                     tuple(self.sequence(node.body, frame.inner({variable.name: number})))
                     for number in numbers
                 ]
-                yield from map(Sequence, product(*blocks))
+                yield from map(sequence, product(*blocks))
             case _:
                 yield Leaf(Run(node, frame))
 
@@ -190,7 +190,7 @@ class Programs:
                 yield order
             case _:
                 choices = [tuple(self.started(part, state, values)) for part in order.parts]
-                yield from map(type(order), product(*choices))
+                yield from map(_maker(order), product(*choices))
 
     def _decided(self, order: Order, state: State, values: Values) -> Iterator[Order]:
         match order:
@@ -201,7 +201,7 @@ class Programs:
                 yield order
             case _:
                 choices = [tuple(self._decided(part, state, values)) for part in order.parts]
-                yield from map(type(order), product(*choices))
+                yield from map(_maker(order), product(*choices))
 
     def chosen(self, node: If, frame: Frame, state: State, values: Values) -> Iterator[Order]:
         """The block of an `if` that a state chooses."""
@@ -211,6 +211,11 @@ class Programs:
     def value(self, node: Expression, frame: Frame, state: State, values: Values) -> Value:
         """The value of an expression in a block. May raise EvaluationError."""
         return evaluate(self.world, state, node, environment(values, frame))
+
+
+def _maker(order: Order) -> Callable[[Iterable[Order]], Order]:
+    """What puts the parts of an order together again."""
+    return sequence if isinstance(order, Sequence) else unordered
 
 
 def section_of(behavior: Behavior, frame: Frame) -> Order:

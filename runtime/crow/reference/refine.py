@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from crow.conditions import Wanted, is_opaque
 from crow.evaluate import EvaluationError, assignments_of, execute, holds
+from crow.explanation import Obstacle
 from crow.matching import Matching, instances
 from crow.problem import State, World
 from crow.program import (
@@ -33,12 +34,11 @@ from crow.reference.orders import (
     EMPTY,
     Leaf,
     Order,
-    Sequence,
-    Unordered,
     is_empty,
     leaves,
+    sequence,
     tail,
-    without,
+    unordered,
 )
 from crow.reference.programs import (
     Application,
@@ -80,6 +80,8 @@ class Refinement:
     nodes: int = 0
     is_cut: bool = False
     has_committed: bool = False
+    last: Expression | None = None
+    farthest: tuple[int, Obstacle] | None = None
     wanted: Wanted = field(init=False)
     matching: Matching = field(init=False)
     programs: Programs = field(init=False)
@@ -91,10 +93,11 @@ class Refinement:
 
     def goal(self, state: State, goal: Expression) -> Iterator[Result]:
         """Every refinement of `achieve g; assert g` (§2.2)."""
+        self.last = goal
         frame = Frame(Application(None, (), 0, ()))
         want = Want(self.wanted.normal(goal), frame, 0, goal.location)
         check = Check(goal, frame, goal.location)
-        right = Sequence((Leaf(want), Leaf(check)))
+        right = sequence((Leaf(want), Leaf(check)))
         return self.refine(state, {}, EMPTY, EMPTY, right)
 
     def refine(
@@ -109,13 +112,12 @@ class Refinement:
             for opened, held in self._started(middle, state, values):
                 yield from self.refine(state, held, EMPTY, opened, right)
         elif not is_empty(middle):
-            for last in tail(middle):
+            for last, rest in tail(middle):
                 self._count()
-                rest = without(middle, last)
                 yield from self._member(state, values, rest, last.content, right)
         elif not is_empty(right):
-            for last in tail(right):
-                yield from self._last(state, values, without(right, last), last)
+            for last, rest in tail(right):
+                yield from self._last(state, values, rest, last)
         else:
             yield state, values, ()
 
@@ -158,9 +160,9 @@ class Refinement:
         match member:
             case Run(statement=Assert(condition=condition) as node, frame=frame):
                 check = Leaf(Check(condition, frame, node.location))
-                yield from self.refine(state, values, EMPTY, rest, Sequence((check, right)))
+                yield from self.refine(state, values, EMPTY, rest, sequence((check, right)))
             case Run(statement=Achieve(condition=condition) as node, frame=frame):
-                after = Sequence((*self._stands(node, frame), right))
+                after = sequence((*self._stands(node, frame), right))
                 want = self._want(condition, frame, node.location)
                 yield from self._wanted_member(state, values, rest, want, after, right)
             case Want():
@@ -187,20 +189,20 @@ class Refinement:
     ) -> Iterator[Result]:
         """A condition in M: null where it completes, else refined, with `after` behind it."""
         check = Leaf(Check(want.condition, want.frame, want.location))
-        yield from self.refine(state, values, EMPTY, rest, Sequence((check, null)))
+        yield from self.refine(state, values, EMPTY, rest, sequence((check, null)))
         for part in self._choices(want):
             yield from self._wanted_member(state, values, rest, part, after, null)
         parts = self._parts(want)
         if parts:
-            joined = Unordered((rest, Unordered(tuple(map(Leaf, parts)))))
-            right = Sequence((check, after))
+            joined = unordered((rest, unordered(tuple(map(Leaf, parts)))))
+            right = sequence((check, after))
             yield from self.refine(state, values, EMPTY, joined, right)
         found, is_step = self._applications(want, state, values)
         for behavior, arguments in found:
             applied = Apply(behavior, arguments, want.frame, want.depth)
             if is_step:
                 again = replace(want, depth=want.depth + 1)
-                joined = Unordered((rest, Sequence((Leaf(applied), Leaf(again)))))
+                joined = unordered((rest, sequence((Leaf(applied), Leaf(again)))))
                 if self._is_within(want.depth + 1):
                     yield from self.refine(state, values, EMPTY, joined, after)
             else:
@@ -214,8 +216,8 @@ class Refinement:
         if application is None:
             return
         for left, middle, right, known in self._body(application, values):
-            joined = Unordered((rest, middle))
-            yield from self.refine(state, known, left, joined, Sequence((right, after)))
+            joined = unordered((rest, middle))
+            yield from self.refine(state, known, left, joined, sequence((right, after)))
 
     # ---------------------------------------------------------------------------------- L and R
 
@@ -248,7 +250,7 @@ class Refinement:
             case Achieve(condition=condition, location=location):
                 want = self._want(condition, frame, location)
                 for after, known, trace in self._achieve(state, values, want):
-                    checks = Sequence(tuple(self._stands(statement, frame)))
+                    checks = sequence(tuple(self._stands(statement, frame)))
                     held = self._hold(known, run)
                     for last in self.refine(after, held, EMPTY, EMPTY, checks):
                         yield last[0], last[1], trace + last[2]
@@ -283,13 +285,17 @@ class Refinement:
             yield from self._statement(state, values, part)
         parts = self._parts(want)
         if parts:
-            middle = Unordered(tuple(map(Leaf, parts)))
-            yield from self.refine(state, values, EMPTY, middle, Sequence((Leaf(check),)))
+            middle = unordered(tuple(map(Leaf, parts)))
+            yield from self.refine(state, values, EMPTY, middle, Leaf(check))
         found, is_step = self._applications(want, state, values)
+        if is_opaque(want.condition):
+            self._note(state, values, want, "nothing can make it true")
+        elif not found and not isinstance(want.condition, And | Or | Quantified):
+            self._note(state, values, want, "no behavior achieves it")
         for behavior, arguments in found:
             applied = Apply(behavior, arguments, want.frame, want.depth)
             again = Leaf(replace(want, depth=want.depth + 1))
-            steps = Sequence((Leaf(applied), again)) if is_step else Leaf(applied)
+            steps = sequence((Leaf(applied), again)) if is_step else Leaf(applied)
             if not is_step or self._is_within(want.depth + 1):
                 yield from self.refine(state, values, EMPTY, EMPTY, steps)
 
@@ -308,10 +314,14 @@ class Refinement:
         if holds(self.world, state, condition, variables):
             item = AssertItem(condition, variables, expression_text(condition), location)
             yield state, values, ((item, frame.application),)
+        else:
+            where = Want(condition, frame, 0, location)
+            self._note(state, values, where, "it is false here")
 
     def _bind(
         self, state: State, values: Values, run: Run, node: Bind, frame: Frame
     ) -> Iterator[Result]:
+        is_possible = False
         for chosen in assignments_of(self.world, node.variables, environment(values, frame)):
             known = dict(values)
             for variable in node.variables:
@@ -325,10 +335,20 @@ class Refinement:
             known[key] = {**known.get(key, {}), **bound}
             if node.condition is None:
                 yield state, known, ()
-            else:
+            elif self._is_true(state, known, node.condition, frame):
+                is_possible = True
                 held = self._hold(known, run)
                 check = Check(node.condition, frame, node.location)
                 yield from self._statement(state, held, check)
+        if node.condition is not None and not is_possible:
+            want = Want(node.condition, frame, 0, node.location)
+            self._note(state, values, want, "no object is like this")
+
+    def _is_true(self, state: State, values: Values, condition: Expression, frame: Frame) -> bool:
+        try:
+            return holds(self.world, state, condition, environment(values, frame))
+        except EvaluationError:
+            return False
 
     def _do(self, state: State, values: Values, node: Do, frame: Frame) -> Iterator[Result]:
         controller = self.world.controllers[node.controller]
@@ -363,6 +383,17 @@ class Refinement:
             after = execute(self.world, state, behavior.effect, variables)
             yield after, known, (*trace, (item, application))
 
+    def _note(self, state: State, values: Values, want: Want, reason: str) -> None:
+        """Remember what failed, if nothing came farther: the goal is last, then more variables are.
+
+        The engine knows no trace before it is complete; but variables only come to those before.
+        """
+        how_far = len(values) + (1 << 30) * (want.condition is self.last)
+        if self.farthest is None or how_far > self.farthest[0]:
+            variables = environment(values, want.frame)
+            told = Obstacle(want.condition, variables, want.location, reason, state.cells)
+            self.farthest = how_far, told
+
     # ------------------------------------------------------------------------------- what is held
 
     def _stands(self, node: Achieve, frame: Frame) -> Iterator[Leaf]:
@@ -389,7 +420,7 @@ class Refinement:
     def _recheck(self, state: State, values: Values, frame: Frame) -> Iterator[Result]:
         """What is held, asserted again before a `do` or the effect."""
         key = (frame.application, HELD)
-        checks = Sequence(tuple(map(Leaf, values.get(key, ()))))
+        checks = sequence(tuple(map(Leaf, values.get(key, ()))))
         for after, known, trace in self.refine(state, values, EMPTY, EMPTY, checks):
             yield after, {**known, key: ()}, trace
 
@@ -474,7 +505,7 @@ class Refinement:
         for left in self.programs.sequence(behavior.left, frame):
             for right in self.programs.sequence(behavior.right, frame):
                 middle = section_of(behavior, frame)
-                yield left, middle, Sequence((right, finish)), known
+                yield left, middle, sequence((right, finish)), known
 
 
 def max_nested(behavior: Behavior) -> int | None:
