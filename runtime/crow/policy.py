@@ -4,7 +4,7 @@ The rest of a plan is kept as long as it replays from what is observed; if not, 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from crow.evaluate import EvaluationError, holds
@@ -74,7 +74,7 @@ class Policy:
             if self._is_reached(observed):
                 self._forget()
                 return Done()
-            here = replace(self.problem, initial=observed)
+            here = self.problem.changed(initial=observed)
             planned = Planning(here, self.engine, **self.options).first()
             if not isinstance(planned, Plan):
                 self._forget()
@@ -111,7 +111,7 @@ class Policy:
         if self._is_reached(snapped):
             return False
         rest = self._course.rest()
-        self.reason = replay_to_goal(replace(self.problem, initial=snapped), rest).failure
+        self.reason = replay_to_goal(self.problem.changed(initial=snapped), rest).failure
         return self.reason is None
 
 
