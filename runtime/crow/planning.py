@@ -12,6 +12,7 @@ from crow.evaluate import evaluate
 from crow.plan import Result, Step
 from crow.problem import Problem
 from crow.program import Location
+from crow.refinement import Refinement
 from crow.replay import Replay, replay_to_goal
 from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
 from crow.support import unsupported
@@ -49,6 +50,9 @@ class Engine(Protocol):
 
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
 
 
 class Planning:
@@ -112,6 +116,10 @@ class Planning:
     def statistics(self) -> dict[str, Any]:
         """Figures so far."""
         return {"seconds": round(self.budget.seconds, 3), **self.engine.statistics()}
+
+    def refinement(self) -> Refinement:
+        """How the plan that came last refines the goal; without one, how far the search came."""
+        return self.engine.refinement()
 
     def _check(self, nodes: int) -> None:
         self.budget.check(nodes, self.statistics)

@@ -9,6 +9,7 @@ from crow.problem import State, World
 from crow.program import (
     Behavior,
     Bind,
+    Call,
     Expression,
     ForEach,
     ForRange,
@@ -28,13 +29,15 @@ from crow.values import Value
 class Application:
     """A behavior applied to arguments; the initial program is one without a behavior.
 
-    `depth` is that of its program, `ancestors` are the behaviors it is applied for.
+    `depth` is that of its program, `ancestors` are the behaviors it is applied for, the last of
+    them by `cause`.
     """
 
     behavior: Behavior | None
     arguments: tuple[Value, ...]
     depth: int
     ancestors: tuple[str, ...]
+    cause: "Apply | None" = None
 
     @property
     def has_effect(self) -> bool:
@@ -87,12 +90,13 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class Apply:
-    """A behavior to apply to arguments in a program of some depth, from no call in the text."""
+    """A behavior to apply to arguments in a program of some depth, for a condition or by a call."""
 
     behavior: Behavior
     arguments: tuple[Value, ...]
     frame: Frame
     depth: int
+    cause: Want | Call
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,6 +71,10 @@ class Programs:
             _Body(self, found).compile()
         return found
 
+    def compiled(self) -> tuple[Code, ...]:
+        """The behaviors that were asked for so far."""
+        return tuple(self._codes.values())
+
     def goal(self, goal: Expression) -> tuple[Wanted, Test, int]:
         """What a problem wants, the test of it, and how many slots it takes."""
         root = Behavior("", (), None, (), None, (), None)

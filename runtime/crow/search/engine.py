@@ -5,10 +5,12 @@ from typing import Any
 
 from crow.plan import Step
 from crow.problem import Problem
+from crow.refinement import Refinement
 from crow.search.deepening import COMMIT, DEPTH, HOPELESS, Search
 from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
+from crow.search.tree import refinement
 from crow.trace import Trace
 
 Found = tuple[tuple[Step, ...], Trace]
@@ -61,3 +63,7 @@ class CrowEngine:
     def explanation(self) -> str | None:
         """The condition that failed farthest on the way, and the facts it reads."""
         return explanation(self.machine)
+
+    def refinement(self) -> Refinement:
+        """The tree of the plan that was found last, or of the branch that came farthest."""
+        return refinement((self.machine,), self.machine)

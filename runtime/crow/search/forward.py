@@ -247,15 +247,17 @@ class _Place:
         if application is None:
             return
         context, after = self.machine.context(application), _after(member)
+        event = ("for", application, member.application, member.what, member.values)
         if not code.left:
-            yield from self.joined(context, path, after, self.start, is_free=is_free)
+            for begun in self.joined(context, path, after, self.start, is_free=is_free):
+                yield begun.noted(event)
             return
         middle = self._at(self.members, None).frame
         done = self.shared.frame(
             Kind.LEFT_DONE, None, (self.point.state, middle), (path, is_free, after)
         )
         left = self.machine.section(code.left, done, commits=code.commits[0])
-        told = self.point.told(("L",))
+        told = self.point.noted(event).told(("L",))
         yield Point(self.start, context, left, told.trail, told.cuts)
 
     def joined(

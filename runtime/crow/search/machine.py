@@ -37,7 +37,7 @@ from crow.search.expressions import Environment
 from crow.search.forward import Forward
 from crow.search.frames import Application, Context, Frame, Kind, Members, Shared
 from crow.search.members import Starting, with_slots
-from crow.search.points import Choice, Dead, Point, Step, extended, holds
+from crow.search.points import Cause, Choice, Dead, Point, Step, extended, holds
 from crow.search.states import Store
 from crow.search.tailward import Tailward
 from crow.search.unordered import Unordered
@@ -109,6 +109,8 @@ class Machine:
         self.screen = Screen()
         self.counters = Counters()
         self.dead = Dead()
+        self.finished: Point | None = None
+        self.goal: AchieveOp | None = None
         self.height: Callable[[], int] = lambda: 0
         self.commit: Callable[[Point], None] = lambda _: None
         self.forward = Forward(self)
@@ -120,6 +122,7 @@ class Machine:
     def start(self) -> Point:
         """The initial program: `achieve g; assert g` (§2.2)."""
         wanted, test, size = self.programs.goal(self.problem.goal)
+        self.goal = AchieveOp(wanted, test, is_held=False)
         root = self.shared.application(None, (), 0, ())
         context = self.shared.context(root, (None,) * size, ())
         check = self.shared.frame(Kind.CHECK, None, test, context.values)
@@ -133,6 +136,7 @@ class Machine:
             if not isinstance(step, Point):
                 return step
             point = step
+        self.finished = point
         return point
 
     # ------------------------------------------------------------------------------------ frames
@@ -314,11 +318,13 @@ class Machine:
         above: Application,
         depth: int,
         following: Frame | None,
+        cause: Cause,
     ) -> Point | None:
         """The point at which a behavior begins that stands in L or R."""
         application = self.application(code, arguments, above, depth)
         if application is None:
             return None
+        point = point.noted(("for", application, above, *cause))
         frame: Frame | None = self.right(code, following)
         if code.middle is not None:
             frame = self.shared.frame(Kind.START, frame)
@@ -330,7 +336,7 @@ class Machine:
     def _apply_frame(self, point: Point, frame: Frame) -> Step:
         code, arguments = frame.first
         above, depth = frame.second
-        return self.applied(point, code, arguments, above, depth, frame.next)
+        return self.applied(point, code, arguments, above, depth, frame.next, (frame.first, ()))
 
     def _achieve_again(self, point: Point, frame: Frame) -> Step:
         wanted, values = frame.first, frame.second
@@ -385,7 +391,7 @@ class Machine:
                 return
             after = self.shared.frame(Kind.ACHIEVE, following, atom, values, (above, below))
         for code, arguments in found:
-            begun = self.applied(point, code, arguments, above, depth, after)
+            begun = self.applied(point, code, arguments, above, depth, after, (atom, values))
             if begun is not None:
                 yield begun
 
@@ -456,7 +462,8 @@ class Machine:
         code = self.programs.code(self.problem.world.behaviors[op.behavior])
         following = self.shared.frame(Kind.RESTORE, rest, context)
         above = context.application
-        return self.applied(point, code, arguments, above, above.depth, following)
+        cause = (op, context.values)
+        return self.applied(point, code, arguments, above, above.depth, following, cause)
 
     def _do(self, point: Point, op: DoOp, rest: Frame | None) -> Step:
         context = point.context

@@ -6,11 +6,13 @@ from math import inf
 from typing import Any, Final, Protocol
 
 from crow.problem import Problem
+from crow.refinement import Refinement
 from crow.search.best import BestFirst
 from crow.search.engine import CrowEngine, Found
 from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
+from crow.search.tree import refinement
 
 DEEPENING_TURN: Final = 100
 """The nodes of the first turn of deepening in `auto`; each next one has four times as many."""
@@ -35,6 +37,9 @@ class Rounds(Protocol):
 
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
 
 
 class Deepening:
@@ -69,6 +74,10 @@ class Deepening:
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
         return self.engine.explanation()
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
+        return self.engine.refinement()
 
 
 class Best:
@@ -112,6 +121,10 @@ class Best:
         """What failed, farthest on the way to the goal."""
         return explanation(self.machine)
 
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
+        return refinement((self.machine,), self.machine)
+
 
 class Auto:
     """Deepening and best-first search by turns, each turn longer than the one before.
@@ -133,6 +146,7 @@ class Auto:
         self.deepening = Deepening(self.crow, depth_limit)
         self.best: Best | None = None
         self.ended: Deepening | Best = self.deepening
+        self.finder: Machine | None = None
 
     def _check(self, _nodes: int) -> None:
         others = 0 if self.best is None else self.best.machine.counters.nodes
@@ -151,6 +165,7 @@ class Auto:
                 if found is None:
                     break
                 has_found = True
+                self.finder = self.crow.machine
                 yield found
             else:
                 return
@@ -164,6 +179,7 @@ class Auto:
                     if found is None:
                         break
                     has_found = True
+                    self.finder = self.best.machine
                     yield found
                 else:
                     best = None
@@ -190,3 +206,8 @@ class Auto:
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
         return self.deepening.explanation() or (self.best.explanation() if self.best else None)
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
+        others = () if self.best is None else (self.best.machine,)
+        return refinement((self.crow.machine, *others), self.finder)
