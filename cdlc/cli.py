@@ -10,7 +10,8 @@ from typing import Any
 
 from cdlc import driver
 from cdlc.commands.crosscheck import crosscheck
-from cdlc.commands.planning import engines, plan, simulate, validate
+from cdlc.commands.plan import plan
+from cdlc.commands.planning import engines, simulate, validate
 from cdlc.commands.programs import check, compile_, explain, fmt, import_, verify
 from cdlc.commands.shared import INPUT_ERRORS, INTERRUPTED, report
 
@@ -198,6 +199,10 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "-o", dest="output", type=Path, metavar="FILE", help="write the plan there"
     )
+    command.add_argument(
+        "--trace", type=Path, metavar="FILE.html",
+        help="write a page that shows how the goal was refined, each state, and what failed",
+    )  # fmt: skip
 
 
 def _verify_arguments(command: argparse.ArgumentParser) -> None:

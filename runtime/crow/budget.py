@@ -1,16 +1,17 @@
 """What a search may use: nodes, time and memory."""
 
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from math import inf
+from typing import Any, Final
 
 Progress = Callable[[dict[str, Any]], None]
 """Called about ten times a second with statistics so far; what it raises ends the search."""
 
-_CHECKS_A_LOOK = 128
-_SECONDS_A_REPORT = 0.1
+_SECONDS_A_LOOK: Final = 0.01
+_SECONDS_A_MEMORY_LOOK: Final = 0.05
+_SECONDS_A_REPORT: Final = 0.1
 
 
 class Stopped(Exception):  # noqa: N818 - ends the search
@@ -30,8 +31,14 @@ class Budget:
     memory_limit_mb: int | None = None
     on_progress: Progress | None = None
     started: float = field(default_factory=time.monotonic)
-    _checks: int = 0
+    _most_nodes: float = inf
+    _next_look: float = 0.0
+    _next_memory_look: float = 0.0
     _reported: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.node_limit is not None:
+            self._most_nodes = self.node_limit
 
     @property
     def seconds(self) -> float:
@@ -40,23 +47,52 @@ class Budget:
 
     def check(self, nodes: int, statistics: Callable[[], dict[str, Any]]) -> None:
         """Raise Stopped if a limit is reached; report progress when it is due."""
-        if self.node_limit is not None and nodes >= self.node_limit:
+        if nodes >= self._most_nodes:
             raise Stopped("nodes")
-        self._checks += 1
-        if self._checks % _CHECKS_A_LOOK:
+        if time.monotonic() < self._next_look:
             return
+        self.look()
         seconds = self.seconds
-        if self.time_limit is not None and seconds >= self.time_limit:
-            raise Stopped("time")
-        if self.memory_limit_mb is not None and _resident_mb() > self.memory_limit_mb:
-            raise Stopped("memory")
         if self.on_progress is not None and seconds - self._reported >= _SECONDS_A_REPORT:
             self._reported = seconds
             self.on_progress(statistics())
 
+    def look(self) -> None:
+        """Raise Stopped if time or memory is used up; for what takes long within one node."""
+        now = time.monotonic()
+        if now < self._next_look:
+            return
+        self._next_look = now + _SECONDS_A_LOOK
+        if self.time_limit is not None and now - self.started >= self.time_limit:
+            raise Stopped("time")
+        if self.memory_limit_mb is not None and now >= self._next_memory_look:
+            self._next_memory_look = now + _SECONDS_A_MEMORY_LOOK
+            if resident_mb() > self.memory_limit_mb:
+                raise Stopped("memory")
 
-def _resident_mb() -> float:
-    """The most memory that the process has had resident; 0 where the system does not say."""
+
+def resident_mb() -> float:
+    """How many MiB this process has resident; 0 where the system does not say.
+
+    What the process has now: the most it ever had may be that of the process it came from.
+    """
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 - read often
+            return int(file.read().split()[1]) * _page_mb()
+    except (OSError, ValueError, IndexError):
+        return _most_resident_mb()
+
+
+def _page_mb() -> float:
+    import resource
+
+    return resource.getpagesize() / (1 << 20)
+
+
+def _most_resident_mb() -> float:
+    """The most that was resident, where there is no /proc."""
+    import sys
+
     try:
         import resource
     except ImportError:

@@ -25,6 +25,8 @@ class Kind(StrEnum):
     """A subgoal: `by` is the behavior that refined it, empty where it was true already."""
     CALL = "call"
     """A behavior that is called."""
+    STEP = "step"
+    """A behavior on the way to a comparison, which no goal matches."""
     BIND = "bind"
     ASSERT = "assert"
     HELD = "held"

@@ -90,13 +90,17 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class Apply:
-    """A behavior to apply to arguments in a program of some depth, for a condition or by a call."""
+    """A behavior to apply to arguments in a program of some depth, for a condition or by a call.
+
+    `is_step` says that it is only on the way to the condition.
+    """
 
     behavior: Behavior
     arguments: tuple[Value, ...]
     frame: Frame
     depth: int
     cause: Want | Call
+    is_step: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -197,7 +197,7 @@ class Refinement:
             yield from self.refine(state, values, EMPTY, joined, right)
         found, is_step = self._applications(want, state, values)
         for behavior, arguments in found:
-            applied = Apply(behavior, arguments, want.frame, want.depth, want)
+            applied = Apply(behavior, arguments, want.frame, want.depth, want, is_step)
             if is_step:
                 again = replace(want, depth=want.depth + 1)
                 joined = Unordered((rest, Sequence((Leaf(applied), Leaf(again)))))
@@ -287,7 +287,7 @@ class Refinement:
             yield from self.refine(state, values, EMPTY, middle, Sequence((Leaf(check),)))
         found, is_step = self._applications(want, state, values)
         for behavior, arguments in found:
-            applied = Apply(behavior, arguments, want.frame, want.depth, want)
+            applied = Apply(behavior, arguments, want.frame, want.depth, want, is_step)
             again = Leaf(replace(want, depth=want.depth + 1))
             steps = Sequence((Leaf(applied), again)) if is_step else Leaf(applied)
             if not is_step or self._is_within(want.depth + 1):

@@ -69,6 +69,8 @@ class _Tree:
         by = call_text(cause.behavior.name, cause.arguments, bound)
         where = cause.behavior.location
         match cause.cause:
+            case Want() if cause.is_step:
+                return Draft(Kind.STEP, by, None, by, where)
             case Want(condition=condition, frame=frame, location=location):
                 text = instance_text(condition, environment(self.values, frame))
                 return Draft(Kind.ACHIEVE, text, location, by, where)

@@ -390,8 +390,9 @@ class Machine:
             if not self.within(below):
                 return
             after = self.shared.frame(Kind.ACHIEVE, following, atom, values, (above, below))
-        for code, arguments in found:
-            begun = self.applied(point, code, arguments, above, depth, after, (atom, values))
+        for applied in found:
+            cause = (applied if is_step else atom, values)
+            begun = self.applied(point, *applied, above, depth, after, cause)
             if begun is not None:
                 yield begun
 

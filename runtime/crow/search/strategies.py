@@ -205,9 +205,13 @@ class Auto:
 
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
-        return self.deepening.explanation() or (self.best.explanation() if self.best else None)
+        return explanation(max(self._machines(), key=lambda machine: machine.dead.depth))
 
     def refinement(self) -> Refinement:
         """How the plan that was found last refines the goal; without one, how far it came."""
+        return refinement(self._machines(), self.finder)
+
+    def _machines(self) -> tuple[Machine, ...]:
+        """Those of the searches that have begun."""
         others = () if self.best is None else (self.best.machine,)
-        return refinement((self.crow.machine, *others), self.finder)
+        return self.crow.machine, *others

@@ -239,8 +239,9 @@ class _Tree:
         behavior = application.code.behavior
         by = call_text(behavior.name, application.arguments, {})
         if test is None:
-            place = what.location if isinstance(what, CallOp) else behavior.location
-            draft = Draft(Kind.CALL, by, place, by, behavior.location)
+            called = what.location if isinstance(what, CallOp) else None
+            kind = Kind.CALL if isinstance(what, CallOp) else Kind.STEP
+            draft = Draft(kind, by, called, by, behavior.location)
         else:
             text = instance_text(test.condition, names_of(test.slots, values))
             draft = Draft(Kind.ACHIEVE, text, test.location, by, behavior.location)
