@@ -1,11 +1,14 @@
-"""A limit of memory for this process, so that even one huge allocation fails as MemoryError."""
+"""Limits of this process: what a search cannot notice by itself, it is made to notice."""
 
-from collections.abc import Iterator
+import signal
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Final
 
 from crow.budget import resident_mb
 
+_SECONDS_A_LOOK: Final = 0.05
 _SLACK_MB: Final = 32
 """A search that looks at its memory now and then is to find out first."""
 
@@ -32,6 +35,25 @@ def limited_memory(most_mb: int) -> Iterator[None]:
     finally:
         with suppress(OSError, ValueError):
             resource.setrlimit(resource.RLIMIT_DATA, before)
+
+
+@contextmanager
+def timer(look: Callable[[], None]) -> Iterator[None]:
+    """Look at limits many times a second, whatever runs: what `look` raises is raised there.
+
+    Nothing happens where the system has no timers, or off the main thread.
+    """
+    is_main = threading.current_thread() is threading.main_thread()
+    if not is_main or not hasattr(signal, "setitimer"):
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, lambda *_: look())
+    signal.setitimer(signal.ITIMER_REAL, _SECONDS_A_LOOK, _SECONDS_A_LOOK)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _data_bytes() -> int:

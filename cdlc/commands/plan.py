@@ -20,6 +20,7 @@ from cdlc.commands.shared import (
 )
 
 if TYPE_CHECKING:
+    from cdlc.progress import Progress
     from crow.plan import Result
     from crow.planning import Planning
 
@@ -63,15 +64,15 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
 def _searched(
     options: argparse.Namespace, compilation: driver.Compilation
 ) -> "tuple[Planning, Result]":
+    from cdlc.limits import timer
     from cdlc.progress import Progress
     from crow.planning import Planning
-    from crow.text import statistics_text
 
     problem = compilation.plannable
     warn(options, compilation)
-    is_text = options.format == "text"
     with ExitStack() as at_end:
-        progress = at_end.enter_context(Progress(sys.stderr, is_wanted=is_text))
+        is_wanted = options.format == "text"
+        progress = at_end.enter_context(Progress(sys.stderr, is_wanted=is_wanted))
         planning = Planning(
             problem,
             options.engine,
@@ -81,12 +82,30 @@ def _searched(
             memory_limit_mb=options.max_memory,
             on_progress=progress.show if progress.is_wanted else None,
         )
+        if options.time_limit is not None or options.max_memory is not None:
+            at_end.enter_context(timer(planning.budget.look))
         try:
-            return planning, planning.first()
-        finally:
-            progress.stop()
-            if is_text:
-                print(statistics_text(planning.statistics()), file=sys.stderr)
+            result = planning.first()
+        except KeyboardInterrupt:
+            _end(options, planning, progress)
+            _explain(options, planning.explanation())
+            raise
+        _end(options, planning, progress)
+        return planning, result
+
+
+def _end(options: argparse.Namespace, planning: "Planning", progress: "Progress") -> None:
+    """The search is over: its figures stand where its progress stood."""
+    from crow.text import statistics_text
+
+    progress.stop()
+    if options.format == "text":
+        print(statistics_text(planning.statistics()), file=sys.stderr)
+
+
+def _explain(options: argparse.Namespace, explanation: str | None) -> None:
+    if options.format == "text" and explanation:
+        print(f"note: the search came as far as {explanation}", file=sys.stderr)
 
 
 def _write_page(
@@ -139,6 +158,5 @@ def _show_plan(options: argparse.Namespace, result: "Result") -> int:
         print(text, end="")
     if not is_json:
         print(result.summary(), file=sys.stderr)
-        if result.explanation:
-            print(f"note: the search came as far as {result.explanation}", file=sys.stderr)
+    _explain(options, result.explanation)
     return {"plan": DONE, "timeout": LIMIT, "memory": LIMIT}.get(result.status, NO_PLAN)

@@ -1,10 +1,12 @@
 """What a search may use: nodes, time and memory."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 Progress = Callable[[dict[str, Any]], None]
 """Called about ten times a second with statistics so far; what it raises ends the search."""
@@ -64,11 +66,48 @@ class Budget:
             return
         self._next_look = now + _SECONDS_A_LOOK
         if self.time_limit is not None and now - self.started >= self.time_limit:
-            raise Stopped("time")
+            self._stop("time", now)
         if self.memory_limit_mb is not None and now >= self._next_memory_look:
             self._next_memory_look = now + _SECONDS_A_MEMORY_LOOK
             if resident_mb() > self.memory_limit_mb:
-                raise Stopped("memory")
+                self._stop("memory", now)
+
+    def _stop(self, reason: str, now: float) -> None:
+        # Not again while this is on its way out: a timer may look at any time.
+        self._next_look = now + 1
+        raise Stopped(reason)
+
+    def end(self) -> None:
+        """Raise nothing any more: the search is over, and is only asked what it did."""
+        self._next_look = self._most_nodes = inf
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Let `looking` look at this budget in what is called within."""
+        token = _RUNNING.set(self)
+        try:
+            yield
+        finally:
+            _RUNNING.reset(token)
+
+
+_RUNNING: ContextVar[Budget | None] = ContextVar("running", default=None)
+_T = TypeVar("_T")
+
+
+def looking(items: Iterable[_T], every: int = 1024) -> Iterator[_T]:
+    """The items, with a look at the limits of the search that runs, if one does, now and then.
+
+    For loops over products of objects, which may take longer than all the rest.
+    """
+    budget = _RUNNING.get()
+    if budget is None:
+        yield from items
+        return
+    for index, item in enumerate(items):
+        if not index % every:
+            budget.look()
+        yield item
 
 
 def resident_mb() -> float:

@@ -4,7 +4,7 @@ Deepening goes in rounds: round k refines up to depth k, until a plan is found, 
 left, or a limit is reached. Each plan is replayed by `crow.replay` before it is handed over.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 from crow.budget import Budget, Progress, Stopped
@@ -23,6 +23,9 @@ ENGINES = ("auto", "best", "iddfs", "reference")
 
 HEURISTICS = ("ff", "add")
 """What `h` may name for best-first search: the size of a relaxed plan, or costs added up."""
+
+_RESERVE = 4 << 20
+"""Bytes kept back for what is to be told when there is no memory left."""
 
 Found = tuple[tuple[Step, ...], Trace]
 
@@ -86,24 +89,47 @@ class Planning:
         self.name = engine
         self.seed = seed
         self.budget = Budget(time_limit, node_limit, memory_limit_mb, on_progress)
-        self.engine = _engine(problem, engine, self._check, depth_limit, h)
         self.end: Result | None = None
+        self._make: Callable[[], Engine] = lambda: _engine(
+            problem, engine, self._check, depth_limit, h
+        )
+        self._engine: Engine | None = None
 
     def plans(self) -> Iterator[Plan]:
         """Each plan, once; after the last, `end` says why there are no more."""
-        seen = set()
+        found = self._plans()
+        while True:
+            with self.budget.running():
+                plan = next(found, None)
+            if plan is None:
+                return
+            yield plan
+
+    def _plans(self) -> Iterator[Plan]:
+        reserve = [bytearray(_RESERVE)]
         try:
-            for found in self.engine.plans():
-                if found is None:
-                    continue
-                key = _identity(found[0])
-                if key not in seen:
-                    seen.add(key)
-                    yield self._plan(*found)
-            left_out = self.engine.left_out()
-            self.end = self._limit(*left_out) if left_out else self._unsolvable()
+            yield from self._each()
         except Stopped as stopped:
+            self.budget.end()
             self.end = self._stopped(stopped.reason)
+        except MemoryError:
+            reserve.clear()  # what is told of the search takes some
+            self.budget.end()
+            self.end = self._stopped("memory")
+
+    def _each(self) -> Iterator[Plan]:
+        """The plans; making the engine compiles the program, which may take its time too."""
+        seen = set()
+        self._engine = engine = self._make()
+        for found in engine.plans():
+            if found is None:
+                continue
+            key = _identity(found[0])
+            if key not in seen:
+                seen.add(key)
+                yield self._plan(*found)
+        left_out = engine.left_out()
+        self.end = self._limit(*left_out) if left_out else self._unsolvable()
 
     def first(self) -> Result:
         """The first plan, or the typed result that says why there is none."""
@@ -115,11 +141,16 @@ class Planning:
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far."""
-        return {"seconds": round(self.budget.seconds, 3), **self.engine.statistics()}
+        figures = {"nodes": 0} if self._engine is None else self._engine.statistics()
+        return {"seconds": round(self.budget.seconds, 3), **figures}
+
+    def explanation(self) -> str | None:
+        """What failed so far, farthest on the way to the goal."""
+        return None if self._engine is None else self._engine.explanation()
 
     def refinement(self) -> Refinement:
         """How the plan that came last refines the goal; without one, how far the search came."""
-        return self.engine.refinement()
+        return Refinement() if self._engine is None else self._engine.refinement()
 
     def _check(self, nodes: int) -> None:
         self.budget.check(nodes, self.statistics)
@@ -144,7 +175,7 @@ class Planning:
         return {
             "seed": self.seed,
             "statistics": self.statistics(),
-            "explanation": self.engine.explanation(),
+            "explanation": self.explanation(),
         }
 
     def _unsolvable(self) -> Result:

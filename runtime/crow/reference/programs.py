@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 
+from crow.budget import looking
 from crow.evaluate import evaluate, holds
 from crow.problem import State, World
 from crow.program import (
@@ -182,7 +183,7 @@ class Programs:
     def _objects(self, node: ForEach) -> Iterator[dict[str, Value]]:
         names = [v.name for v in node.variables]
         domains = [self.world.objects_of(v.type) for v in node.variables]
-        return (dict(zip(names, chosen, strict=True)) for chosen in product(*domains))
+        return (dict(zip(names, chosen, strict=True)) for chosen in looking(product(*domains)))
 
     def started(self, order: Order, state: State, values: Values) -> Iterator[Order]:
         """M when it starts: sections are opened, their `if`s decided here (semantics.md §2).

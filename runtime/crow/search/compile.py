@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from itertools import product
 
+from crow.budget import looking
 from crow.conditions import Wanted as Conditions
 from crow.conditions import is_opaque
 from crow.evaluate import EvaluationError
@@ -259,7 +260,7 @@ class _Body:
         """The slots that variables are about to get, and the tuples of objects for them."""
         domains = [self.programs.world.objects_of(v.type) for v in variables]
         own = tuple(range(self.size, self.size + len(variables)))
-        return own, tuple(product(*domains))
+        return own, tuple(looking(product(*domains)))
 
     def value(self, node: Expression, slots: Slots) -> Compiled:
         return self.programs.compiler.expression(node, slots, self.unsure)

@@ -147,6 +147,7 @@ class Auto:
         self.best: Best | None = None
         self.ended: Deepening | Best = self.deepening
         self.finder: Machine | None = None
+        self.turns = 1
 
     def _check(self, _nodes: int) -> None:
         others = 0 if self.best is None else self.best.machine.counters.nodes
@@ -188,6 +189,7 @@ class Auto:
                         return
             turn = turn * 4 if best is not None else inf
             other *= 2
+            self.turns += 1
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""
@@ -195,7 +197,7 @@ class Auto:
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far, of both searches together."""
-        told = self.deepening.statistics()
+        told = {"turn": self.turns, **self.deepening.statistics()}
         if self.best is None:
             return told
         other = self.best.statistics()
