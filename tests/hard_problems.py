@@ -1,5 +1,6 @@
 """Problems that no engine is done with soon: many blocks, or very many objects."""
 
+from itertools import pairwise
 from pathlib import Path
 
 from support import BLOCKS
@@ -8,7 +9,7 @@ from support import BLOCKS
 def towers(folder: Path, count: int) -> Path:
     """One tower to be taken down and built the other way round, in pieces."""
     names = [f"b{i}" for i in range(count)]
-    on = [f"on[{x}, {y}]" for x, y in zip(names, names[1:], strict=False)]
+    on = [f"on[{x}, {y}]" for x, y in pairwise(names)]
     wanted = [f"on({names[i - 7]}, {names[i]})" for i in range(count) if i % 3]
     facts = [*on, f"on_table[{names[-1]}]", "clear[b0]", "handempty[...]"]
     text = ['problem "towers"', f'domain "{BLOCKS / "blocks.cdl"}"', "objects:"]
