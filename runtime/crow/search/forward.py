@@ -42,6 +42,8 @@ class Forward:
         if self.machine.protects and self.protection.is_hopeless(point.state, frame, members):
             self.machine.is_hopeless = True
             self.machine.counters.hopeless += 1
+            assert self.protection.last is not None
+            self.machine.dead.note(point, "nothing left makes it true", *self.protection.last)
             return
         hint, screen = self.machine.hint, self.machine.screen
         hint.is_doubtful = False
