@@ -31,13 +31,13 @@ class CrowEngine:
         """The plans up to a depth; None where `search.pause_at` nodes have been made."""
         search, machine = self.search, self.machine
         for point in search.round(depth):
-            yield None if point is None else plan_of(self.problem.world, point)
+            yield None if point is None else plan_of(self.machine, point)
         if search.left_out & HOPELESS and not search.left_out & DEPTH:
             # What nothing within the limit can make true may be true deeper: look whether there
             # is anything deeper.
             machine.protects = False
             for point in search.round(depth):
-                yield None if point is None else plan_of(self.problem.world, point)
+                yield None if point is None else plan_of(self.machine, point)
             machine.protects = True
 
     def left_out(self) -> tuple[str, ...]:

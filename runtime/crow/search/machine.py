@@ -110,7 +110,7 @@ class Machine:
         self.counters = Counters()
         self.dead = Dead()
         self.finished: Point | None = None
-        self.goal: AchieveOp | None = None
+        self.goals: list[AchieveOp] = []
         self.height: Callable[[], int] = lambda: 0
         self.commit: Callable[[Point], None] = lambda _: None
         self.forward = Forward(self)
@@ -122,7 +122,7 @@ class Machine:
     def start(self) -> Point:
         """The initial program: `achieve g; assert g` (§2.2)."""
         wanted, test, size = self.programs.goal(self.problem.goal)
-        self.goal = AchieveOp(wanted, test, is_held=False)
+        self.goals.append(AchieveOp(wanted, test, is_held=False))
         root = self.shared.application(None, (), 0, ())
         context = self.shared.context(root, (None,) * size, ())
         check = self.shared.frame(Kind.CHECK, None, test, context.values)
@@ -136,7 +136,6 @@ class Machine:
             if not isinstance(step, Point):
                 return step
             point = step
-        self.finished = point
         return point
 
     # ------------------------------------------------------------------------------------ frames

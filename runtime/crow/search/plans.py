@@ -7,6 +7,7 @@ from crow.problem import World
 from crow.search.code import DoOp, Test
 from crow.search.expressions import Environment, names_of
 from crow.search.frames import Application, Context
+from crow.search.machine import Machine
 from crow.search.points import Point, Trail
 from crow.text import expression_text
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
@@ -32,9 +33,10 @@ def events_of(trail: Trail) -> list[Any]:
     return events
 
 
-def plan_of(world: World, point: Point) -> tuple[tuple[Step, ...], Trace]:
-    """The steps and the trace that lead to a point."""
-    events = events_of(point.trail)
+def plan_of(machine: Machine, point: Point) -> tuple[tuple[Step, ...], Trace]:
+    """The steps and the trace that lead to a point, which its machine keeps as the last found."""
+    machine.finished = point
+    world, events = machine.problem.world, events_of(point.trail)
     trace = tuple(item for number in in_order(events) for item in items_of(world, events[number]))
     return _steps(events), trace
 

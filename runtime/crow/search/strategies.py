@@ -95,7 +95,7 @@ class Best:
     def plans(self) -> Iterator[Found | None]:
         """Plans, not all of them; None where the search has paused."""
         for point in self.search.points():
-            yield None if point is None else plan_of(self.problem.world, point)
+            yield None if point is None else plan_of(self.machine, point)
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""

@@ -92,8 +92,8 @@ def refinement(machines: Iterable[Machine], finder: Machine | None) -> Refinemen
 def roles_of(machine: Machine) -> dict[Test, Role]:
     """What the conditions of a machine's programs are."""
     found: dict[Test, Role] = {}
-    if machine.goal is not None:
-        _role(found, None, machine.goal)
+    for goal in machine.goals:
+        _role(found, None, goal)
     for code in machine.programs.compiled():
         middle = () if code.middle is None else (code.middle,)
         for op in _ops((*code.left, *middle, *code.right)):
@@ -148,10 +148,8 @@ class _Tree:
         self.events = events_of(point.trail)
         self.trace, self.items = self._traced()
         self.steps = 0
-        assert machine.goal is not None
-        goal = machine.goal.test
-        text = expression_text(goal.condition)
-        self.root = Draft(Kind.GOAL, text, goal.location)
+        goal = machine.problem.goal
+        self.root = Draft(Kind.GOAL, expression_text(goal), goal.location)
         self.goal: Instance | None = None
         self.live: dict[Application, list[Instance]] = {}
         self.by_code: dict[Code | None, list[Instance]] = {}
@@ -282,7 +280,8 @@ class _Tree:
 
     def _begin(self, application: Application) -> None:
         """The R of an application begins: of one with nothing open below it, if there is one."""
-        waiting = [i for i in self.live.get(application, ()) if not i.has_begun]
+        self._runs(application)
+        waiting = [i for i in self.live[application] if not i.has_begun]
         if not waiting:
             return
         ready = [instance for instance in waiting if not instance.open_below]
@@ -294,6 +293,11 @@ class _Tree:
         """The application that runs; its L runs before its R has begun."""
         if self.running and self.running[-1].application is application:
             return self.running[-1]
+        if not self.live.get(application):
+            # Tried by itself, to see what it changes: nothing on the trail says what for.
+            assert application.code is not None
+            step = (application.code, application.arguments)
+            self._apply(application, self._goal().application, step, ())
         return self.live[application][-1]
 
     def _end(self, context: Context) -> None:

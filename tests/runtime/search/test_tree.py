@@ -151,7 +151,9 @@ def test_failures_are_bounded_by_the_program() -> None:
     assert kinds[1] < 40
 
 
-def test_before_anything_failed_there_is_an_empty_tree() -> None:
+def test_before_anything_failed_there_is_the_goal() -> None:
     planning = Planning(example("blocks/sussman"), node_limit=1)
     assert planning.first().status == "limit"
-    assert planning.refinement().failures == ()
+    tree = planning.refinement()
+    assert [failure.reason for failure in tree.failures] == ["it has not become true so far"]
+    assert [node.kind for node in tree.nodes] == [Kind.GOAL, Kind.FAILED]
