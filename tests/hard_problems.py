@@ -23,9 +23,12 @@ BODIES = {
     "bind": ("bind y: T, z: T where: w(y) > w(z)", ""),
     "foreach": ("foreach y: T, z: T:\n      assert w(y) <= w(z)", ""),
     "exists": ("assert exists y: T, z: T: w(y) > w(z)", ""),
+    "goal": ("pass", ""),
     "effect": ("pass", "    foreach y: T, z: T:\n      q[y, z] = True\n"),
 }
 """Statements, and an effect, over all pairs of objects."""
+
+GOALS = {"goal": "forall y: T, z: T: q(y, z)"}
 
 
 def pairs(folder: Path, kind: str, count: int = 3_000) -> Path:
@@ -41,6 +44,6 @@ def pairs(folder: Path, kind: str, count: int = 3_000) -> Path:
     file = folder / f"{kind}.cdl"
     file.write_text(
         f'problem "{kind}"\ndomain "pairs.cdl"\nobjects:\n  {names}: T\ninit:\n  pass\n'
-        "goal: p(t1) and p(t2)\n"
+        f"goal: {GOALS.get(kind, 'p(t1) and p(t2)')}\n"
     )
     return file

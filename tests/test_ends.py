@@ -17,7 +17,7 @@ SOON = 1.0
 
 
 def problem(folder: Path, kind: str) -> Path:
-    return towers(folder, 40) if kind == "towers" else pairs(folder, kind)
+    return towers(folder, 150) if kind == "towers" else pairs(folder, kind)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -72,14 +72,14 @@ def test_ctrl_c_ends_every_engine_soon(kind: str, engine: str, tmp_path: Path) -
 
 
 def test_no_memory_for_the_input_is_a_memory_limit_too(tmp_path: Path) -> None:
-    ran = cdlc("plan", towers(tmp_path, 40), "--max-memory", "1", "--format", "json")
+    ran = cdlc("plan", towers(tmp_path, 150), "--max-memory", "1", "--format", "json")
     assert ran.status == 4
     assert json.loads(ran.out)["status"] == "memory"
 
 
 @pytest.mark.parametrize("engine", ["auto", "best", "iddfs"])
 def test_a_limit_says_what_failed(engine: str, tmp_path: Path) -> None:
-    ran = cdlc("plan", towers(tmp_path, 40), "--engine", engine, "--time-limit", "1")
+    ran = cdlc("plan", towers(tmp_path, 150), "--engine", engine, "--time-limit", "1")
     assert ran.status == 4
     first, second, *rest = ran.err.splitlines()
     assert first.startswith("searched ")

@@ -18,7 +18,7 @@ def test_a_line() -> None:
 
 
 def test_a_search_shows_how_far_it_is(tmp_path: Path) -> None:
-    hard = towers(tmp_path, 40)
+    hard = towers(tmp_path, 150)
     ran = on_terminal("plan", hard, "--time-limit", "1.5", folder=tmp_path)
     assert (ran.status, ran.out) == (4, "")
     assert len(re.findall(r"searching: [\d,]+ nodes, depth \d+, turn \d+, \d\.\d s", ran.shown)) > 2
@@ -31,7 +31,7 @@ def test_a_search_shows_how_far_it_is(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("engine", ["auto", "best", "iddfs", "reference"])
 def test_ctrl_c_leaves_the_terminal_as_it_was(engine: str, tmp_path: Path) -> None:
-    hard = towers(tmp_path, 40)
+    hard = towers(tmp_path, 150)
     ran = on_terminal(
         "plan", hard, "--engine", engine, folder=tmp_path, interrupt_at="searching"
     )  # fmt: skip
@@ -44,7 +44,7 @@ def test_ctrl_c_leaves_the_terminal_as_it_was(engine: str, tmp_path: Path) -> No
 
 
 def test_a_limit_and_an_error_leave_it_as_it_was(tmp_path: Path) -> None:
-    hard = towers(tmp_path, 40)
+    hard = towers(tmp_path, 150)
     ran = on_terminal("plan", hard, "--max-memory", "60", folder=tmp_path)
     assert ran.status == 4
     assert is_unbroken(ran.shown)
@@ -63,7 +63,7 @@ def test_a_limit_and_an_error_leave_it_as_it_was(tmp_path: Path) -> None:
 def test_no_line_where_none_is_wanted(
     options: tuple[str, ...], environment: dict[str, str], tmp_path: Path
 ) -> None:
-    hard = towers(tmp_path, 40)
+    hard = towers(tmp_path, 150)
     ran = on_terminal(
         "plan", hard, "--time-limit", "0.8", *options, folder=tmp_path, environment=environment
     )

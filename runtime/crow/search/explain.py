@@ -22,9 +22,9 @@ def explanation(machine: Machine) -> str | None:
     The goal, where nothing had failed yet; None where nothing was begun.
     """
     dead = machine.dead
-    if dead.test is None or dead.point is None:
-        goal = machine.programs.goal(machine.problem.goal)[1]
-        dead.note(machine.start(), "it has not become true so far", goal, ())
+    if dead.test is None and machine.goals:  # not compiled again: that may take its time
+        start = Point(machine.store.initial, None, None, None, None)
+        dead.note(start, "it has not become true so far", machine.goals[-1].test, ())
     if dead.test is None or dead.point is None:
         return None
     condition = dead.test.condition
