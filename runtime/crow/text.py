@@ -91,13 +91,19 @@ def _text(node: Expression) -> tuple[str, int]:
 
 # -------------------------------------------------------------------------------------- statistics
 
-_LEFT_OUT = {"depth": "too deep", "duplicates": "seen before", "hopeless": "without hope"}
+_LEFT_OUT = {
+    "depth": "too deep",
+    "width": "too wide",
+    "duplicates": "seen before",
+    "hopeless": "without hope",
+}
 _FIGURES = ("states", "effects", "evaluations")
 
 
 def statistics_text(statistics: Mapping[str, Any]) -> str:
     """Figures of a search for people, in one or two lines."""
     depth = f", to depth {statistics['depth']}" if "depth" in statistics else ""
+    depth += f" in width {statistics['width']}" if "width" in statistics else ""
     seconds = f" in {statistics['seconds']:.1f} s" if "seconds" in statistics else ""
     figures = ", ".join(f"{statistics[k]:,} {k}" for k in _FIGURES if k in statistics)
     text = f"searched {statistics.get('nodes', 0):,} nodes{seconds}{depth}"

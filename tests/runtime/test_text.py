@@ -212,6 +212,6 @@ def test_statistics_are_told_in_words() -> None:
     }  # fmt: skip
     assert statistics_text(figures) == (
         "searched 12,345 nodes in 1.0 s, to depth 3: 7 states, 8 effects\n"
-        "left out: 1 too deep, 2 seen before, 3 without hope, 4 width"
+        "left out: 1 too deep, 2 seen before, 3 without hope, 4 too wide"
     )
     assert statistics_text({"nodes": 0}) == "searched 0 nodes"
