@@ -10,7 +10,9 @@ from typing import Any
 
 from cdlc import driver
 from cdlc.commands.crosscheck import crosscheck
-from cdlc.commands.planning import engines, plan, simulate, validate
+from cdlc.commands.graph import graph
+from cdlc.commands.plan import plan
+from cdlc.commands.planning import engines, simulate, validate
 from cdlc.commands.programs import check, compile_, explain, fmt, import_, verify
 from cdlc.commands.shared import INPUT_ERRORS, INTERRUPTED, report
 
@@ -80,6 +82,11 @@ def _parser() -> argparse.ArgumentParser:
     formatter = _command(commands, "fmt", fmt, "bring files to the canonical layout")
     formatter.add_argument("files", nargs="+", metavar="FILE", help="'-' is standard input")
     formatter.add_argument("--check", action="store_true", help="show what would change")
+    drawer = _command(commands, "graph", graph, "draw which behavior achieves and needs what")
+    drawer.add_argument("domain", metavar="DOMAIN", help="a domain; '-' is standard input")
+    drawer.add_argument(
+        "-o", dest="output", type=Path, metavar="FILE", required=True, help="FILE.svg or FILE.png"
+    )
     lister = _command(commands, "engines", engines, "list planners, and which fit a domain")
     lister.add_argument("files", nargs="*", metavar="FILE", help="[DOMAIN] [PROBLEM]")
     _format(lister)
@@ -202,6 +209,10 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "-o", dest="output", type=Path, metavar="FILE", help="write the plan there"
     )
+    command.add_argument(
+        "--trace", type=Path, metavar="FILE.html",
+        help="write a page that shows how the goal was refined, each state, and what failed",
+    )  # fmt: skip
 
 
 def _verify_arguments(command: argparse.ArgumentParser) -> None:

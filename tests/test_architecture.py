@@ -72,6 +72,9 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     # Conditions in traces are read as text.
     "cdlc.plans": ("cdlc.plans", "cdlc.backends", "cdlc.ir", "cdlc.frontend"),
     "cdlc.verify": ("cdlc.verify", "cdlc.ir"),
+    "cdlc.view": ("cdlc.view", "cdlc.ir"),
+    "cdlc.limits": (),
+    "cdlc.progress": (),
     "cdlc.editors": ("cdlc.editors", "cdlc.frontend"),
     "cdlc.engines": ("cdlc.backends",),
     "cdlc.driver": ("cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
@@ -91,6 +94,9 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
 THIRD_PARTY: Mapping[str, tuple[str, ...]] = {
     "lark": ("cdlc.frontend",),
     "pygments": ("cdlc.editors",),
+    "rich": ("cdlc.progress",),
+    "matplotlib": ("cdlc.view",),
+    "networkx": ("cdlc.view",),
     "psutil": ("cdlc.backends.engines",),
     "sympy": ("cdlc.ir.algebra",),
     "z3": ("cdlc.verify.smt",),

@@ -107,12 +107,17 @@ def _read_regular(name: str) -> bytes:
     # Opening a FIFO would wait for a writer.
     descriptor = os.open(name, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     with os.fdopen(descriptor, "rb") as file:
-        mode = os.fstat(descriptor).st_mode
+        status = os.fstat(descriptor)
+        mode = status.st_mode
         if stat.S_ISDIR(mode):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         if not stat.S_ISREG(mode):
             raise OSError(errno.EINVAL, "not a regular file")
-        return file.read(MAX_BYTES + 1)
+        # A buffer is made for all that is asked for, whether it is there or not.
+        data = file.read(min(status.st_size, MAX_BYTES) + 1)
+        if len(data) > status.st_size:  # it has grown, or the system does not know its size
+            data += file.read(MAX_BYTES + 1 - len(data))
+        return data
 
 
 def _decode(name: str, data: bytes, found: Collector) -> SourceFile | None:

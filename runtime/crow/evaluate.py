@@ -10,6 +10,7 @@ from itertools import product
 from typing import assert_never, cast
 
 from crow.arithmetic import arithmetic, negated
+from crow.budget import looking
 from crow.problem import Cell, State, World
 from crow.program import (
     And,
@@ -302,7 +303,7 @@ def assignments_of(
     """The outer variables with every tuple of objects for some more, in order of declaration."""
     names = [v.name for v in variables]
     domains = [world.objects_of(v.type) for v in variables]
-    return ({**outer, **dict(zip(names, t, strict=True))} for t in product(*domains))
+    return ({**outer, **dict(zip(names, t, strict=True))} for t in looking(product(*domains)))
 
 
 def shown_cell(cell: Cell) -> str:

@@ -25,19 +25,22 @@ class Obstacle:
 
     def text(self, problem: Problem) -> str:
         """`on(x, y)` at blocks.cdl:3:4 with x = a, y = b: it is false here; there, …"""
-        parts = list(subexpressions(self.condition))
         where = "" if self.location is None else f" at {self.location}"
-        names = dict.fromkeys(p.name for p in parts if isinstance(p, Variable))
-        used = [f"{name} = {self.variables[name]}" for name in names if name in self.variables]
+        used = [f"{name} = {value}" for name, value in self.used().items()]
         given = f" with {', '.join(used)}" if used else ""
         told = f"`{expression_text(self.condition)}`{where}{given}: {self.reason}"
-        facts = self._facts(problem, parts)
+        facts = self.facts(problem)
         return f"{told}; there, {', '.join(facts)}" if facts else told
 
-    def _facts(self, problem: Problem, parts: list[Expression]) -> list[str]:
-        """The values of the cells that the condition reads by name."""
+    def used(self) -> dict[str, Value]:
+        """The variables that the condition reads and that have a value."""
+        names = (p.name for p in subexpressions(self.condition) if isinstance(p, Variable))
+        return {n: self.variables[n] for n in names if n in self.variables}
+
+    def facts(self, problem: Problem) -> list[str]:
+        """The values of the cells that the condition reads by name; not too many."""
         facts: dict[str, None] = {}
-        for part in parts:
+        for part in subexpressions(self.condition):
             if isinstance(part, Read):
                 known = [self._known(argument) for argument in part.arguments]
                 if None not in known:

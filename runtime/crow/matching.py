@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 
+from crow.budget import looking
 from crow.conditions import MIRRORED, plain
 from crow.evaluate import EvaluationError
 from crow.problem import World
@@ -159,7 +160,7 @@ class Matching:
             (bindings[p.name],) if p.name in bindings else self.world.objects_of(p.type)
             for p in behavior.parameters
         ]
-        return product(*choices)
+        return looking(product(*choices))
 
     # ------------------------------------------------------------------------------ what no goal is
 
@@ -218,4 +219,4 @@ def instances(world: World, condition: Quantified) -> Iterator[dict[str, Value]]
     """Each choice of objects for the variables of a quantifier, in order of declaration."""
     names = [v.name for v in condition.variables]
     domains = [world.objects_of(v.type) for v in condition.variables]
-    return (dict(zip(names, chosen, strict=True)) for chosen in product(*domains))
+    return (dict(zip(names, chosen, strict=True)) for chosen in looking(product(*domains)))

@@ -4,7 +4,7 @@ Deepening goes in rounds: round k refines up to depth k, until a plan is found, 
 left, or a limit is reached. Each plan is replayed by `crow.replay` before it is handed over.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -15,6 +15,7 @@ from crow.plan import Result, Step
 from crow.problem import Problem
 from crow.program import Commit, Location
 from crow.program.walk import statements_within
+from crow.refinement import Refinement
 from crow.replay import Replay, replay_to_goal
 from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
 from crow.support import unsupported
@@ -28,6 +29,9 @@ ENGINES = ("auto", "best", "iddfs", "iw", "reference")
 
 HEURISTICS = ("ff", "add")
 """What `h` may name for best-first search: the size of a relaxed plan, or costs added up."""
+
+_RESERVE = 4 << 20
+"""Bytes kept back for what is to be told when there is no memory left."""
 
 Found = tuple[tuple[Step, ...], Trace]
 
@@ -55,6 +59,9 @@ class Engine(Protocol):
 
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
 
 
 class Planning:
@@ -90,27 +97,51 @@ class Planning:
         self.name = engine
         self.seed = seed
         self.budget = Budget(time_limit, node_limit, memory_limit_mb, on_progress)
-        self.engine = _engine(problem, engine, self._check, depth_limit, h)
         self.depth_limit = depth_limit
         self.optimal = optimal
         self.cheapest: Cheapest | None = None
         self.end: Result | None = None
+        self._make: Callable[[], Engine] = lambda: _engine(
+            problem, engine, self._check, depth_limit, h
+        )
+        self._engine: Engine | None = None
+        self._tree: Refinement | None = None
 
     def plans(self) -> Iterator[Plan]:
         """Each plan, once; after the last, `end` says why there are no more."""
-        seen = set()
+        found = self._plans()
+        while True:
+            with self.budget.running():
+                plan = next(found, None)
+            if plan is None:
+                return
+            yield plan
+
+    def _plans(self) -> Iterator[Plan]:
+        reserve = [bytearray(_RESERVE)]
         try:
-            for found in self.engine.plans():
-                if found is None:
-                    continue
-                key = _identity(found[0])
-                if key not in seen:
-                    seen.add(key)
-                    yield self._plan(*found)
-            left_out = self.engine.left_out()
-            self.end = self._limit(*left_out) if left_out else self._unsolvable()
+            yield from self._each()
         except Stopped as stopped:
+            self.budget.end()
             self.end = self._stopped(stopped.reason)
+        except MemoryError:
+            reserve.clear()  # what is told of the search takes some
+            self.budget.end()
+            self.end = self._stopped("memory")
+
+    def _each(self) -> Iterator[Plan]:
+        """The plans; making the engine compiles the program, which may take its time too."""
+        seen = set()
+        self._engine = engine = self._make()
+        for found in engine.plans():
+            if found is None:
+                continue
+            key = _identity(found[0])
+            if key not in seen:
+                seen.add(key)
+                yield self._plan(*found)
+        left_out = engine.left_out()
+        self.end = self._limit(*left_out) if left_out else self._unsolvable()
 
     def first(self) -> Result:
         """The first plan, or the cheapest; or the typed result that says why there is none."""
@@ -121,16 +152,32 @@ class Planning:
             return self.end
         if not self.optimal:
             return found
+        self._tree = self._last()
         if self.name == "reference" or _commits(self.problem):
             return self._cheapest_of(found, plans)
         return self._improved(found)
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far."""
-        told = self.engine.statistics()
+        figures = {"nodes": 0} if self._engine is None else self._engine.statistics()
         if self.cheapest is not None:
-            told["nodes"] += self.cheapest.machine.counters.nodes
-        return {"seconds": round(self.budget.seconds, 3), **told}
+            figures["nodes"] += self.cheapest.machine.counters.nodes
+        return {"seconds": round(self.budget.seconds, 3), **figures}
+
+    def explanation(self) -> str:
+        """What failed so far, farthest on the way to the goal."""
+        told = None if self._engine is None else self._engine.explanation()
+        return told or at_the_start(self.problem).text(self.problem)
+
+    def refinement(self) -> Refinement:
+        """How the plan that came last refines the goal; without one, how far the search came.
+
+        Of the cheapest plan, if that was asked for.
+        """
+        return self._last() if self._tree is None else self._tree
+
+    def _last(self) -> Refinement:
+        return Refinement() if self._engine is None else self._engine.refinement()
 
     def _check(self, nodes: int) -> None:
         self.budget.check(nodes, self.statistics)
@@ -139,7 +186,9 @@ class Planning:
 
     def _cheapest_of(self, best: Plan, plans: Iterator[Plan]) -> Plan:
         """The cheapest plan that an engine enumerates."""
-        best = min((best, *plans), key=_cost_of)
+        for plan in plans:
+            if _cost_of(plan) < _cost_of(best):
+                best, self._tree = plan, self._last()
         match self.end:
             case LimitReached(limits=limits):
                 unproved = limits
@@ -154,17 +203,22 @@ class Planning:
     def _improved(self, best: Plan) -> Plan:
         """The cheapest plan, by branch and bound from one plan on."""
         from crow.search.optimal import Cheapest
+        from crow.search.tree import refinement as tree_of
 
-        before = self.engine.statistics()["nodes"]
+        before = self.statistics()["nodes"]
         search = Cheapest(self.problem, lambda nodes: self._check(before + nodes), self.depth_limit)
         self.cheapest, search.bound = search, _cost_of(best)
         try:
-            for found in search.plans():
-                best = self._plan(*found)
-                search.bound = _cost_of(best)
+            with self.budget.running():
+                for found in search.plans():
+                    best = self._plan(*found)
+                    search.bound = _cost_of(best)
+                    self._tree = tree_of((search.machine,), search.machine)
             unproved = search.left_out()
         except Stopped as stopped:
             unproved = (stopped.reason,)
+        except MemoryError:
+            unproved = ("memory",)
         return replace(best, statistics=self.statistics(), unproved=unproved)
 
     def _plan(self, steps: tuple[Step, ...], trace: Trace) -> Plan:
@@ -184,11 +238,10 @@ class Planning:
     # --------------------------------------------------------------------------------- no plan
 
     def _told(self) -> dict[str, Any]:
-        told = self.engine.explanation()
         return {
             "seed": self.seed,
             "statistics": self.statistics(),
-            "explanation": told or at_the_start(self.problem).text(self.problem),
+            "explanation": self.explanation(),
         }
 
     def _unsolvable(self) -> Result:

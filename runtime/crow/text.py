@@ -1,5 +1,8 @@
 """Expressions as CDL writes them, for messages; parentheses only where precedence asks for them."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from crow.program import (
     And,
     Apply,
@@ -84,3 +87,29 @@ def _text(node: Expression) -> tuple[str, int]:
             text = f"{quantifier} {variables_text(variables)}: {expression_text(body)}"
             # It takes everything to its right, so it is safe as an operand in parentheses only.
             return text, -1
+
+
+# -------------------------------------------------------------------------------------- statistics
+
+_LEFT_OUT = {
+    "depth": "too deep",
+    "width": "too wide",
+    "duplicates": "seen before",
+    "hopeless": "without hope",
+}
+_FIGURES = ("states", "effects", "evaluations")
+
+
+def statistics_text(statistics: Mapping[str, Any]) -> str:
+    """Figures of a search for people, in one or two lines."""
+    depth = f", to depth {statistics['depth']}" if "depth" in statistics else ""
+    depth += f" in width {statistics['width']}" if "width" in statistics else ""
+    seconds = f" in {statistics['seconds']:.1f} s" if "seconds" in statistics else ""
+    figures = ", ".join(f"{statistics[k]:,} {k}" for k in _FIGURES if k in statistics)
+    text = f"searched {statistics.get('nodes', 0):,} nodes{seconds}{depth}"
+    left_out = ", ".join(
+        f"{number:,} {_LEFT_OUT.get(kind, kind)}"
+        for kind, number in statistics.get("pruned", {}).items()
+    )
+    text = f"{text}: {figures}" if figures else text
+    return f"{text}\nleft out: {left_out}" if left_out else text

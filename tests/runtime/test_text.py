@@ -17,7 +17,7 @@ from crow.program import (
     Negative,
     Parameter,
 )
-from crow.text import expression_text, variables_text
+from crow.text import expression_text, statistics_text, variables_text
 
 DOMAIN = """
 typedef T
@@ -203,3 +203,15 @@ def test_strings_stay_on_one_line_and_read_back(text: str) -> None:
 
 def test_variables() -> None:
     assert variables_text((Parameter("x", BOOL), Parameter("n", INT64))) == "x: bool, n: int64"
+
+
+def test_statistics_are_told_in_words() -> None:
+    figures = {
+        "seconds": 1.04, "depth": 3, "nodes": 12345, "states": 7, "effects": 8,
+        "pruned": {"depth": 1, "duplicates": 2, "hopeless": 3, "width": 4},
+    }  # fmt: skip
+    assert statistics_text(figures) == (
+        "searched 12,345 nodes in 1.0 s, to depth 3: 7 states, 8 effects\n"
+        "left out: 1 too deep, 2 seen before, 3 without hope, 4 too wide"
+    )
+    assert statistics_text({"nodes": 0}) == "searched 0 nodes"

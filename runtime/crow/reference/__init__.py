@@ -11,6 +11,8 @@ from crow.budget import Stopped
 from crow.plan import Step
 from crow.problem import Problem
 from crow.reference.refine import BOUND, Refinement, Result
+from crow.reference.tree import tree_of
+from crow.refinement import Refinement as Tree
 from crow.trace import DoItem, EffItem, Trace
 
 __all__ = ["ReferenceEngine", "Refinement", "refinements"]
@@ -21,7 +23,12 @@ def refinements(
 ) -> Iterator[tuple[tuple[Step, ...], Trace]]:
     """Every plan that a refinement of the goal gives, with its trace; some more than once."""
     for result in refinement.goal(problem.initial, problem.goal):
-        yield _steps(result), tuple(item for item, _ in result[2])
+        yield found(result)
+
+
+def found(result: Result) -> tuple[tuple[Step, ...], Trace]:
+    """A refinement as a plan with its trace."""
+    return _steps(result), tuple(item for item, _ in result[2])
 
 
 def _steps(result: Result) -> tuple[Step, ...]:
@@ -52,6 +59,7 @@ class ReferenceEngine:
         self.check = check
         self.last = Refinement(problem.world, 0)
         self.nodes = 0
+        self.result: Result | None = None
 
     def round(self, depth: int) -> Iterator[tuple[tuple[Step, ...], Trace]]:
         """The plans up to a depth."""
@@ -60,7 +68,9 @@ class ReferenceEngine:
             self.problem.world, depth, lambda: self.check(self.nodes + last.nodes)
         )
         try:
-            yield from refinements(self.problem, last)
+            for result in last.goal(self.problem.initial, self.problem.goal):
+                self.result = result
+                yield found(result)
         except RecursionError:
             raise Stopped("recursion") from None
 
@@ -77,3 +87,7 @@ class ReferenceEngine:
         """The condition that failed farthest on the way in the last round."""
         farthest = self.last.farthest
         return None if farthest is None else farthest[1].text(self.problem)
+
+    def refinement(self) -> Tree:
+        """The tree of the plan that was found last; nothing is known of what failed."""
+        return Tree() if self.result is None else tree_of(self.problem, self.result)

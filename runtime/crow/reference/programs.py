@@ -4,11 +4,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 
+from crow.budget import looking
 from crow.evaluate import evaluate, holds
 from crow.problem import State, World
 from crow.program import (
     Behavior,
     Bind,
+    Call,
     Expression,
     ForEach,
     ForRange,
@@ -28,13 +30,15 @@ from crow.values import Value
 class Application:
     """A behavior applied to arguments; the initial program is one without a behavior.
 
-    `depth` is that of its program, `ancestors` are the behaviors it is applied for.
+    `depth` is that of its program, `ancestors` are the behaviors it is applied for, the last of
+    them by `cause`.
     """
 
     behavior: Behavior | None
     arguments: tuple[Value, ...]
     depth: int
     ancestors: tuple[str, ...]
+    cause: "Apply | None" = None
 
     @property
     def has_effect(self) -> bool:
@@ -87,12 +91,17 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class Apply:
-    """A behavior to apply to arguments in a program of some depth, from no call in the text."""
+    """A behavior to apply to arguments in a program of some depth, for a condition or by a call.
+
+    `is_step` says that it is only on the way to the condition.
+    """
 
     behavior: Behavior
     arguments: tuple[Value, ...]
     frame: Frame
     depth: int
+    cause: Want | Call
+    is_step: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +183,7 @@ class Programs:
     def _objects(self, node: ForEach) -> Iterator[dict[str, Value]]:
         names = [v.name for v in node.variables]
         domains = [self.world.objects_of(v.type) for v in node.variables]
-        return (dict(zip(names, chosen, strict=True)) for chosen in product(*domains))
+        return (dict(zip(names, chosen, strict=True)) for chosen in looking(product(*domains)))
 
     def started(self, order: Order, state: State, values: Values) -> Iterator[Order]:
         """M when it starts: sections are opened, their `if`s decided here (semantics.md §2).

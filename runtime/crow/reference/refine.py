@@ -199,7 +199,7 @@ class Refinement:
             yield from self.refine(state, values, EMPTY, joined, right)
         found, is_step = self._applications(want, state, values)
         for behavior, arguments in found:
-            applied = Apply(behavior, arguments, want.frame, want.depth)
+            applied = Apply(behavior, arguments, want.frame, want.depth, want, is_step)
             if is_step:
                 again = replace(want, depth=want.depth + 1)
                 joined = unordered((rest, sequence((Leaf(applied), Leaf(again)))))
@@ -293,7 +293,7 @@ class Refinement:
         elif not found and not isinstance(want.condition, And | Or | Quantified):
             self._note(state, values, want, "no behavior achieves it")
         for behavior, arguments in found:
-            applied = Apply(behavior, arguments, want.frame, want.depth)
+            applied = Apply(behavior, arguments, want.frame, want.depth, want, is_step)
             again = Leaf(replace(want, depth=want.depth + 1))
             steps = sequence((Leaf(applied), again)) if is_step else Leaf(applied)
             if not is_step or self._is_within(want.depth + 1):
@@ -472,7 +472,7 @@ class Refinement:
     def _called(self, node: Call, frame: Frame, state: State, values: Values) -> Apply:
         arguments = tuple(self.programs.value(a, frame, state, values) for a in node.arguments)
         behavior = self.world.behaviors[node.behavior]
-        return Apply(behavior, arguments, frame, frame.application.depth)
+        return Apply(behavior, arguments, frame, frame.application.depth, node)
 
     def _is_within(self, depth: int) -> bool:
         self.is_cut |= depth > self.depth
@@ -489,7 +489,7 @@ class Refinement:
             return None
         if not self._is_within(applied.depth + 1):
             return None
-        return Application(behavior, applied.arguments, applied.depth + 1, ancestors)
+        return Application(behavior, applied.arguments, applied.depth + 1, ancestors, applied)
 
     def _body(
         self, application: Application, values: Values

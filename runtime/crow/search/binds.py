@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import product
 from typing import TYPE_CHECKING
 
+from crow.budget import looking
 from crow.evaluate import EvaluationError
 from crow.program import And, Bind, Expression, Object, Read, Variable
 from crow.program.types import BOOL, underlying
@@ -30,7 +31,7 @@ def candidates(programs: "Programs", node: Bind, test: Test | None, slots: Slots
 
     def choices(state: Snapshot, values: Environment) -> list[tuple[Value, ...]]:
         found: Iterable[tuple[Value, ...]]
-        found = product(*domains) if every is None else every(state, values)
+        found = looking(product(*domains) if every is None else every(state, values))
         if test is None:
             return list(found)
         before, after = values[:first], values[first + len(names) :]
@@ -114,15 +115,16 @@ class Indexed:
     ) -> list[tuple[Value, ...]]:
         """The objects in the arguments found, any for other variables, as they were declared."""
         tuples: set[tuple[Value, ...]] = set()
-        for row in found:
-            tuples.update(
-                product(
-                    *(
-                        domain if place is None else (row[place],)
-                        for place, domain in zip(places, self.domains, strict=True)
-                    )
-                )
-            )
+        known = [place for place in places if place is not None]
+        for row in looking(found):
+            if len(known) == len(places):
+                tuples.add(tuple([row[place] for place in known]))
+            else:
+                domains = [
+                    domain if place is None else (row[place],)
+                    for place, domain in zip(places, self.domains, strict=True)
+                ]
+                tuples.update(looking(product(*domains)))
         ranked = [
             (tuple(ranks[o] for ranks, o in zip(self.ranks, chosen, strict=True)), chosen)
             for chosen in tuples

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from itertools import product
 
+from crow.budget import looking
 from crow.conditions import Wanted as Conditions
 from crow.conditions import is_opaque
 from crow.evaluate import EvaluationError
@@ -70,6 +71,10 @@ class Programs:
             self._codes[behavior.name] = found  # before its body, which may come back to it
             _Body(self, found).compile()
         return found
+
+    def compiled(self) -> tuple[Code, ...]:
+        """The behaviors that were asked for so far."""
+        return tuple(self._codes.values())
 
     def goal(self, goal: Expression) -> tuple[Wanted, Test, int]:
         """What a problem wants, the test of it, and how many slots it takes."""
@@ -255,7 +260,7 @@ class _Body:
         """The slots that variables are about to get, and the tuples of objects for them."""
         domains = [self.programs.world.objects_of(v.type) for v in variables]
         own = tuple(range(self.size, self.size + len(variables)))
-        return own, tuple(product(*domains))
+        return own, tuple(looking(product(*domains)))
 
     def value(self, node: Expression, slots: Slots) -> Compiled:
         return self.programs.compiler.expression(node, slots, self.unsure)

@@ -5,10 +5,12 @@ from typing import Any
 
 from crow.plan import Step
 from crow.problem import Problem
+from crow.refinement import Refinement
 from crow.search.deepening import COMMIT, DEPTH, HOPELESS, WIDTH, Search
 from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
+from crow.search.tree import refinement
 from crow.search.width import Narrow
 from crow.trace import Trace
 
@@ -39,13 +41,13 @@ class CrowEngine:
         """The plans up to a depth; None where `search.pause_at` nodes have been made."""
         search, machine = self.search, self.machine
         for point in search.round(depth):
-            yield None if point is None else plan_of(self.problem.world, point)
+            yield None if point is None else plan_of(self.machine, point)
         if search.left_out & HOPELESS and not search.left_out & DEPTH:
             # What nothing within the limit can make true may be true deeper: look whether there
             # is anything deeper.
             machine.protects = False
             for point in search.round(depth):
-                yield None if point is None else plan_of(self.problem.world, point)
+                yield None if point is None else plan_of(self.machine, point)
             machine.protects = True
 
     def left_out(self) -> tuple[str, ...]:
@@ -73,3 +75,7 @@ class CrowEngine:
     def explanation(self) -> str | None:
         """The condition that failed farthest on the way, and the facts it reads."""
         return explanation(self.machine)
+
+    def refinement(self) -> Refinement:
+        """The tree of the plan that was found last, or of the branch that came farthest."""
+        return refinement((self.machine,), self.machine)

@@ -1,16 +1,21 @@
-"""Why a search found nothing: what failed farthest on the way to the goal."""
+"""Why a search found nothing: what failed, and what of it farthest on the way to the goal."""
 
 from crow.explanation import Obstacle
-from crow.search.expressions import names_of
+from crow.search.code import Test
+from crow.search.expressions import Environment, names_of
 from crow.search.machine import Machine
+from crow.search.points import Point
 
 
 def explanation(machine: Machine) -> str | None:
     """The condition that failed farthest on the way, and the facts it reads; None without one."""
     dead = machine.dead
-    if dead.test is None or dead.state is None:
+    if dead.test is None or dead.point is None:
         return None
-    test = dead.test
-    names = names_of(test.slots, dead.values)
-    obstacle = Obstacle(test.condition, names, test.location, dead.reason, dead.state.cells)
-    return obstacle.text(machine.problem)
+    return obstacle(dead.point, dead.test, dead.values, dead.reason).text(machine.problem)
+
+
+def obstacle(point: Point, test: Test, values: Environment, reason: str) -> Obstacle:
+    """A condition that failed at a point."""
+    names = names_of(test.slots, values)
+    return Obstacle(test.condition, names, test.location, reason, point.state.cells)

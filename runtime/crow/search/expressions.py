@@ -4,12 +4,14 @@ Connectives, reads and comparisons become Python; arithmetic is left to the inte
 knows about widths and divisions by zero.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import lru_cache
 from itertools import product
+from math import prod
 from types import CodeType
-from typing import Any
+from typing import Any, Final
 
+from crow.budget import looking
 from crow.evaluate import EvaluationError, evaluate, shown_cell
 from crow.problem import Cell, State, World
 from crow.program import (
@@ -42,6 +44,9 @@ Slots = Mapping[str, int]
 """Where the values of the variables in scope are."""
 Environment = tuple[Value, ...]
 Compiled = Callable[[Snapshot, Environment], Value]
+
+_MANY: Final = 100_000
+"""A quantifier over so many tuples of objects takes a noticeable time."""
 
 
 class Compiler:
@@ -137,7 +142,7 @@ class Compiler:
     def _quantified(self, node: Quantified, names: Mapping[str, str]) -> str:
         own = [f"q{len(names) + i}" for i in range(len(node.variables))]
         inner = {**names, **{v.name: q for v, q in zip(node.variables, own, strict=True)}}
-        domains = [self._constant(self.world.objects_of(v.type)) for v in node.variables]
+        domains = [self._constant(d) for d in watched(self.world, node)]
         test = "all" if node.quantifier == "forall" else "any"
         loops = " ".join(f"for {q} in {d}" for q, d in zip(own, domains, strict=True))
         return f"{test}({self._source(node.body, inner)} {loops})"
@@ -170,6 +175,26 @@ def _python(head: str, source: str) -> CodeType:
     """A function for Python to run. The same texts come again with each search of a domain."""
     lines = f"{head}\n D = S.delta\n B = S.base\n return {source}\n"
     return compile(lines, "<compiled>", "exec")
+
+
+class Watched:
+    """Objects to loop over, with a look at the limits of the search before each of some."""
+
+    def __init__(self, objects: tuple[str, ...], every: int) -> None:
+        self.objects = objects
+        self.every = every
+
+    def __iter__(self) -> Iterator[str]:
+        return looking(self.objects, self.every)
+
+
+def watched(world: World, node: Quantified) -> list[Iterable[str]]:
+    """The objects that the variables of a quantifier range over; watched where they are many."""
+    domains = [world.objects_of(v.type) for v in node.variables]
+    inner = prod(map(len, domains[1:]))
+    if inner * len(domains[0]) < _MANY:
+        return [*domains]
+    return [Watched(domains[0], max(1, _MANY // (10 * max(1, inner)))), *domains[1:]]
 
 
 def is_plain(type_: Type) -> bool:

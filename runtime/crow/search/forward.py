@@ -42,6 +42,8 @@ class Forward:
         if self.machine.protects and self.protection.is_hopeless(point.state, frame, members):
             self.machine.is_hopeless = True
             self.machine.counters.hopeless += 1
+            assert self.protection.last is not None
+            self.machine.dead.note(point, "nothing left makes it true", *self.protection.last)
             return
         hint, screen = self.machine.hint, self.machine.screen
         hint.is_doubtful = False
@@ -247,15 +249,17 @@ class _Place:
         if application is None:
             return
         context, after = self.machine.context(application), _after(member)
+        event = ("for", application, member.application, member.what, member.values)
         if not code.left:
-            yield from self.joined(context, path, after, self.start, is_free=is_free)
+            for begun in self.joined(context, path, after, self.start, is_free=is_free):
+                yield begun.noted(event)
             return
         middle = self._at(self.members, None).frame
         done = self.shared.frame(
             Kind.LEFT_DONE, None, (self.point.state, middle), (path, is_free, after)
         )
         left = self.machine.section(code.left, done, commits=code.commits[0])
-        told = self.point.told(("L",))
+        told = self.point.noted(event).told(("L",))
         yield Point(self.start, context, left, told.trail, told.cuts)
 
     def joined(

@@ -37,7 +37,7 @@ from crow.search.expressions import Environment
 from crow.search.forward import Forward
 from crow.search.frames import Application, Context, Frame, Kind, Members, Shared
 from crow.search.members import Starting, with_slots
-from crow.search.points import Choice, Dead, Point, Step, extended, holds
+from crow.search.points import Cause, Choice, Dead, Point, Step, extended, holds
 from crow.search.states import Store
 from crow.search.tailward import Tailward
 from crow.search.unordered import Unordered
@@ -111,6 +111,8 @@ class Machine:
         self.screen = Screen()
         self.counters = Counters()
         self.dead = Dead()
+        self.finished: Point | None = None
+        self.goals: list[AchieveOp] = []
         self.height: Callable[[], int] = lambda: 0
         self.commit: Callable[[Point], None] = lambda _: None
         self.forward = Forward(self)
@@ -126,6 +128,7 @@ class Machine:
     def start(self) -> Point:
         """The initial program: `achieve g; assert g` (§2.2)."""
         wanted, test, size = self.programs.goal(self.problem.goal)
+        self.goals.append(AchieveOp(wanted, test, is_held=False))
         root = self.shared.application(None, (), 0, ())
         context = self.shared.context(root, (None,) * size, ())
         check = self.shared.frame(Kind.CHECK, None, test, context.values)
@@ -320,11 +323,13 @@ class Machine:
         above: Application,
         depth: int,
         following: Frame | None,
+        cause: Cause,
     ) -> Point | None:
         """The point at which a behavior begins that stands in L or R."""
         application = self.application(code, arguments, above, depth)
         if application is None:
             return None
+        point = point.noted(("for", application, above, *cause))
         frame: Frame | None = self.right(code, following)
         if code.middle is not None:
             frame = self.shared.frame(Kind.START, frame)
@@ -336,7 +341,7 @@ class Machine:
     def _apply_frame(self, point: Point, frame: Frame) -> Step:
         code, arguments = frame.first
         above, depth = frame.second
-        return self.applied(point, code, arguments, above, depth, frame.next)
+        return self.applied(point, code, arguments, above, depth, frame.next, (frame.first, ()))
 
     def _achieve_again(self, point: Point, frame: Frame) -> Step:
         wanted, values = frame.first, frame.second
@@ -390,8 +395,9 @@ class Machine:
             if not self.within(below):
                 return
             after = self.shared.frame(Kind.ACHIEVE, following, atom, values, (above, below))
-        for code, arguments in found:
-            begun = self.applied(point, code, arguments, above, depth, after)
+        for applied in found:
+            cause = (applied if is_step else atom, values)
+            begun = self.applied(point, *applied, above, depth, after, cause)
             if begun is not None:
                 yield begun
 
@@ -462,7 +468,8 @@ class Machine:
         code = self.programs.code(self.problem.world.behaviors[op.behavior])
         following = self.shared.frame(Kind.RESTORE, rest, context)
         above = context.application
-        return self.applied(point, code, arguments, above, above.depth, following)
+        cause = (op, context.values)
+        return self.applied(point, code, arguments, above, above.depth, following, cause)
 
     def _do(self, point: Point, op: DoOp, rest: Frame | None) -> Step:
         context = point.context

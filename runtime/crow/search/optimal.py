@@ -70,7 +70,7 @@ class Cheapest:
             if isinstance(step, Choice):
                 self._go_on(step, calls)
             elif self._cost(here.state, calls) < self.bound:
-                yield plan_of(self.problem.world, here)
+                yield plan_of(self.machine, here)
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""

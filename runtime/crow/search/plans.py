@@ -7,6 +7,7 @@ from crow.problem import World
 from crow.search.code import DoOp, Test
 from crow.search.expressions import Environment, names_of
 from crow.search.frames import Application, Context
+from crow.search.machine import Machine
 from crow.search.points import Point, Trail
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
 from crow.values import Value
@@ -31,33 +32,42 @@ def events_of(trail: Trail) -> list[Any]:
     return events
 
 
-def plan_of(world: World, point: Point) -> tuple[tuple[Step, ...], Trace]:
-    """The steps and the trace that lead to a point."""
-    events = events_of(point.trail)
-    return _steps(events), tuple(_trace(world, events))
+def plan_of(machine: Machine, point: Point) -> tuple[tuple[Step, ...], Trace]:
+    """The steps and the trace that lead to a point, which its machine keeps as the last found."""
+    machine.finished = point
+    world, events = machine.problem.world, events_of(point.trail)
+    trace = tuple(item for number in in_order(events) for item in items_of(world, events[number]))
+    return _steps(events), trace
 
 
-def _trace(world: World, events: list[Any]) -> list[TraceItem]:
-    """The items in the order in which they stand: L of members of M at the start of that M."""
-    groups: list[tuple[list[TraceItem], list[TraceItem]]] = [([], [])]
+def in_order(events: list[Any]) -> list[int]:
+    """The numbers of the events as a trace has them: L of members of M at the start of that M."""
+    groups: list[tuple[list[int], list[int]]] = [([], [])]
     in_left = False
-    for event in events:
+    for number, event in enumerate(events):
         match event:
             case ("M",):
                 groups.append(([], []))
             case ("end of M",):
-                left, middle = groups.pop()
-                groups[-1][1].extend((*left, *middle))
+                _close(groups)
             case ("L",):
                 in_left = True
             case ("end of L",):
                 in_left = False
             case _:
-                groups[-1][0 if in_left else 1].extend(_items(world, event))
+                groups[-1][0 if in_left else 1].append(number)
+    while len(groups) > 1:  # a way that ends in the middle
+        _close(groups)
     return groups[0][1]
 
 
-def _items(world: World, event: Any) -> tuple[TraceItem, ...]:
+def _close(groups: list[tuple[list[int], list[int]]]) -> None:
+    left, middle = groups.pop()
+    groups[-1][1].extend((*left, *middle))
+
+
+def items_of(world: World, event: Any) -> tuple[TraceItem, ...]:
+    """What an event is in a trace."""
     match event:
         case ("assert", test, values):
             return (assert_item(test, values),)

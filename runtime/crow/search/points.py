@@ -35,6 +35,11 @@ class Point(NamedTuple):
         """The same point with an event on its trail."""
         return Point(self.state, self.context, self.frame, extended(self.trail, event), self.cuts)
 
+    def noted(self, event: Any) -> "Point":
+        """The same point with an event on its trail that does not count: nothing was done."""
+        trail = (self.trail, event, 0 if self.trail is None else self.trail[2])
+        return Point(self.state, self.context, self.frame, trail, self.cuts)
+
     @property
     def key(self) -> Hashable:
         """All that decides the future."""
@@ -54,28 +59,52 @@ class Choice:
     options: Iterator[Point]
 
 
+Cause = tuple[Any, Environment]
+"""What a behavior is applied for, a condition or a call, and the values of its variables."""
+
 Step = Point | Choice | None
 """The next point, a choice, or a dead end."""
 
 
-class Dead:
-    """The dead end that came last: what failed, where, and in which state."""
+@dataclass(slots=True)
+class Failures:
+    """How often a condition failed for a reason, and where it did so farthest on the way."""
 
-    __slots__ = ("depth", "reason", "state", "test", "values")
+    count: int
+    depth: int
+    point: Point
+    values: Environment
+
+
+class Dead:
+    """Dead ends: the one farthest on the way, and how many there were of each kind.
+
+    As many are kept as there are conditions in the program, each with one point.
+    """
+
+    __slots__ = ("depth", "failures", "point", "reason", "test", "values")
 
     def __init__(self) -> None:
         self.depth = -1
         self.reason = ""
         self.test: Test | None = None
         self.values: Environment = ()
-        self.state: Snapshot | None = None
+        self.point: Point | None = None
+        self.failures: dict[tuple[Test, str], Failures] = {}
 
     def note(self, point: Point, reason: str, test: Test, values: Environment) -> None:
-        """Remember a dead end, if none was deeper."""
+        """Remember a dead end; as the farthest, if none was farther."""
         depth = 0 if point.trail is None else point.trail[2]
+        found = self.failures.get((test, reason))
+        if found is None:
+            self.failures[test, reason] = Failures(1, depth, point, values)
+        else:
+            found.count += 1
+            if depth > found.depth:
+                found.depth, found.point, found.values = depth, point, values
         if depth > self.depth:
             self.depth, self.reason = depth, reason
-            self.test, self.values, self.state = test, values, point.state
+            self.test, self.values, self.point = test, values, point
 
 
 def holds(test: Test, state: Snapshot, values: Environment) -> bool:

@@ -34,9 +34,13 @@ class Protection:
         self.writers = Writers(programs.world, programs.conditions, programs.matching)
         self._needed: dict[tuple[Test, Environment], tuple[Literal, ...]] = {}
         self._writes: dict[tuple[Member, int], Writes] = {}
+        self.last: tuple[Test, Environment] | None = None
 
     def is_hopeless(self, state: Snapshot, frame: Frame, members: Members) -> bool:
-        """Whether a literal is needed that is false and that nothing left can make true."""
+        """Whether a literal is needed that is false and that nothing left can make true.
+
+        `last` is then the condition that it is in, with the values of its variables.
+        """
         nodes = list(_nodes(members))
         for wanted, owner in self._wanted(state, frame, nodes):
             if not any(
@@ -86,6 +90,7 @@ class Protection:
             cell = (literal.feature, literal.arguments)
             value = state.delta[cell] if cell in state.delta else state.base.get(cell, False)
             if value != literal.value:
+                self.last = test, values
                 yield literal
 
     def _may_write_itself(

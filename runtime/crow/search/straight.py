@@ -8,7 +8,9 @@ from math import inf
 from typing import Any, Final
 
 from crow.problem import Cell, Problem
+from crow.refinement import Refinement
 from crow.search.code import Code, Op, UnorderedOp
+from crow.search.deepening import Search
 from crow.search.engine import Found
 from crow.search.frames import Application, Context, Frame, Held, Kind, Shared
 from crow.search.imperative import is_imperative
@@ -18,6 +20,7 @@ from crow.search.plans import plan_of
 from crow.search.points import Choice, Point, Step
 from crow.search.states import Snapshot, Store
 from crow.search.strategies import Auto, Check, until_pause
+from crow.search.tree import refinement
 from crow.values import Value
 
 Environment = tuple[Value, ...]
@@ -82,6 +85,10 @@ class StraightFirst:
         """What failed, farthest on the way to the goal."""
         return None if self.auto is None else self.auto.explanation()
 
+    def refinement(self) -> Refinement:
+        """How the plan refines the goal; without one, how far the search came."""
+        return self.straight.refinement() if self.auto is None else self.auto.refinement()
+
 
 class Straight:
     """The one refinement of an imperative program; `check` is called again and again."""
@@ -111,7 +118,7 @@ class Straight:
             if isinstance(step, Choice):
                 step = _only(step.options)
             elif step.frame is None:
-                yield plan_of(machine.problem.world, step)
+                yield plan_of(machine, step)
                 return
             else:
                 step = machine.run(step)
@@ -124,6 +131,17 @@ class Straight:
     def pause(self, nodes: int) -> None:
         """Pause after so many nodes more."""
         self.pause_at = self.nodes + nodes
+
+    def refinement(self) -> Refinement:
+        """How the plan refines the goal: run once more, with states that are kept."""
+        machine = Machine(self.machine.problem, counts_depth=False)
+        machine.depth_limit = 1
+        search = Search(machine, self.check)
+        search.pause_at = 2 * self.nodes + FIRST_TURN
+        point = next(search.round(1), None)
+        if point is not None:
+            plan_of(machine, point)
+        return refinement((machine,), machine)
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far."""

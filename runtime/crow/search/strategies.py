@@ -6,11 +6,13 @@ from math import inf
 from typing import Any, Final, Protocol
 
 from crow.problem import Problem
+from crow.refinement import Refinement
 from crow.search.best import BestFirst
 from crow.search.engine import CrowEngine, Found
 from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
+from crow.search.tree import refinement
 
 DEEPENING_TURN: Final = 100
 """The nodes of the first turn of deepening in `auto`; each next one has four times as many."""
@@ -35,6 +37,9 @@ class Rounds(Protocol):
 
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
 
 
 def until_pause(plans: Iterator[Found | None]) -> Generator[Found, None, bool]:
@@ -79,6 +84,10 @@ class Deepening:
         """What failed, farthest on the way to the goal."""
         return self.engine.explanation()
 
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
+        return self.engine.refinement()
+
 
 class Best:
     """Best-first search. Depth is counted only where it is limited."""
@@ -95,7 +104,7 @@ class Best:
     def plans(self) -> Iterator[Found | None]:
         """Plans, not all of them; None where the search has paused."""
         for point in self.search.points():
-            yield None if point is None else plan_of(self.problem.world, point)
+            yield None if point is None else plan_of(self.machine, point)
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""
@@ -121,6 +130,10 @@ class Best:
         """What failed, farthest on the way to the goal."""
         return explanation(self.machine)
 
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
+        return refinement((self.machine,), self.machine)
+
 
 class Auto:
     """Deepening and best-first search by turns, each turn longer than the one before.
@@ -142,6 +155,8 @@ class Auto:
         self.deepening = Deepening(self.crow, depth_limit)
         self.best: Best | None = None
         self.ended: Deepening | Best = self.deepening
+        self.finder: Machine | None = None
+        self.turns = 1
 
     def _check(self, _nodes: int) -> None:
         others = 0 if self.best is None else self.best.machine.counters.nodes
@@ -160,6 +175,7 @@ class Auto:
                 if found is None:
                     break
                 has_found = True
+                self.finder = self.crow.machine
                 yield found
             else:
                 return
@@ -173,6 +189,7 @@ class Auto:
                     if found is None:
                         break
                     has_found = True
+                    self.finder = self.best.machine
                     yield found
                 else:
                     best = None
@@ -181,6 +198,7 @@ class Auto:
                         return
             turn = turn * 4 if best is not None else inf
             other *= 2
+            self.turns += 1
             yield None
 
     def left_out(self) -> tuple[str, ...]:
@@ -189,7 +207,7 @@ class Auto:
 
     def statistics(self) -> dict[str, Any]:
         """Figures so far, of both searches together."""
-        told = self.deepening.statistics()
+        told = {"turn": self.turns, **self.deepening.statistics()}
         if self.best is None:
             return told
         other = self.best.statistics()
@@ -199,4 +217,13 @@ class Auto:
 
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
-        return self.deepening.explanation() or (self.best.explanation() if self.best else None)
+        return explanation(max(self._machines(), key=lambda machine: machine.dead.depth))
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
+        return refinement(self._machines(), self.finder)
+
+    def _machines(self) -> tuple[Machine, ...]:
+        """Those of the searches that have begun."""
+        others = () if self.best is None else (self.best.machine,)
+        return self.crow.machine, *others

@@ -188,9 +188,11 @@ class _Last:
         if member.after is not None:
             blocks = ((member.after, member.values), blocks)
         context = self.machine.context(application)
+        event = ("for", application, member.application, member.what, member.values)
+        point = self.point.noted(event)
         if not code.left:
-            yield from self.owner.joined(self.point, context, self.left, blocks, self.frame.next)
+            yield from self.owner.joined(point, context, self.left, blocks, self.frame.next)
             return
         done = self.shared.frame(Kind.TAIL_LEFT_DONE, self.frame.next, self.left, blocks)
         left = self.machine.section(code.left, done, commits=code.commits[0])
-        yield self.point.told(("left", application)).at(left, context)
+        yield point.told(("left", application)).at(left, context)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Generator, Iterator
 from typing import Any, Final
 
 from crow.problem import Problem
+from crow.refinement import Refinement
 from crow.search.engine import CrowEngine, Found
 from crow.search.strategies import Deepening, until_pause
 
@@ -97,3 +98,7 @@ class Widening:
     def explanation(self) -> str | None:
         """What failed, farthest on the way to the goal."""
         return self.current.deepening.explanation()
+
+    def refinement(self) -> Refinement:
+        """How the plan that was found last refines the goal; without one, how far it came."""
+        return self.current.crow.refinement()

@@ -20,7 +20,7 @@ from crow.search.code import (
 from crow.search.forward import null_test
 from crow.search.frames import Application, Context, Frame, Kind, Member, Members, Nested, Open
 from crow.search.machine import Machine
-from crow.search.points import Point, holds
+from crow.search.points import Cause, Point, holds
 from crow.search.states import Snapshot
 from crow.values import Value
 
@@ -55,11 +55,12 @@ class Narrow(Machine):
         above: Application,
         depth: int,
         following: Frame | None,
+        cause: Cause,
     ) -> Point | None:
         """The point at which a behavior begins that stands in L or R: a program of its own."""
         if self._is_wide(self._right(code)):
             return None
-        return super().applied(point, code, arguments, above, depth, following)
+        return super().applied(point, code, arguments, above, depth, following, cause)
 
     def _middle(self, state: Snapshot, frame: Frame) -> int:
         return self._members(frame.second, state, is_free=True) + self._owner(frame)
