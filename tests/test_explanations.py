@@ -52,6 +52,7 @@ REASONS = (
     "no behavior achieves it",
     "no object is like this",
     "nothing can make it true",
+    "nothing left makes it true",
     "it has not become true so far",
 )
 

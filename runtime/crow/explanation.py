@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from crow.evaluate import shown_cell
 from crow.problem import Cell, Problem
@@ -9,6 +10,9 @@ from crow.program import Expression, Location, Object, Read, Variable
 from crow.program.walk import subexpressions
 from crow.text import expression_text
 from crow.values import Value, default_value
+
+NOT_YET: Final = "it has not become true so far"
+"""What is wrong with the goal, where nothing else is known to have failed."""
 
 _MOST_FACTS = 8
 
@@ -64,4 +68,4 @@ class Obstacle:
 def at_the_start(problem: Problem) -> Obstacle:
     """The goal, where nothing else is known to have failed."""
     goal = problem.goal
-    return Obstacle(goal, {}, goal.location, "it has not become true so far", problem.initial.cells)
+    return Obstacle(goal, {}, goal.location, NOT_YET, problem.initial.cells)

@@ -133,7 +133,7 @@ def test_searches_of_others_have_no_page(tmp_path: Path) -> None:
         "plan", BLOCKS / "sussman.cdl", "--engine", "fast-downward", "--trace", target
     )  # fmt: skip
     assert ran.status == 2
-    assert "--trace shows searches of auto, best, iddfs, reference" in ran.err
+    assert "--trace shows searches of auto, best, iddfs, iw, reference" in ran.err
     assert not target.exists()
 
 

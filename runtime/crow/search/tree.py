@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from crow.explanation import NOT_YET
 from crow.plan import call_text
 from crow.program import Bind
 from crow.refinement import Draft, Failure, Kind, Refinement, finished, instance_text
@@ -74,6 +75,11 @@ def refinement(machines: Iterable[Machine], finder: Machine | None) -> Refinemen
     With what failed in all of the machines.
     """
     searched = tuple(machines)
+    if not any(searching.dead.failures for searching in searched):
+        for searching in searched[:1]:
+            start = Point(searching.store.initial, None, None, None, None)
+            if searching.goals:
+                searching.dead.note(start, NOT_YET, searching.goals[-1].test, ())
     failures = _failures(searched)
     machine, point = finder, None if finder is None else finder.finished
     if point is None:
