@@ -19,9 +19,7 @@ def to_runtime(program: Program, statement: ProblemStatement, found: Collector) 
 
 def check_plannable(problem: Problem, found: Collector) -> None:
     """Report what the runtime's planner would have to choose a value for."""
-    from crow.support import unsupported
-
-    missing = unsupported(problem.world.program)
+    missing = problem.world.unsupported
     if missing is not None:
         location = missing.location or Location("", 1, 1, 1, 1)
         found.add(NotPlannable(location=location, construct=missing.construct))

@@ -18,7 +18,6 @@ from crow.program.walk import statements_within
 from crow.refinement import Refinement
 from crow.replay import Replay, replay_to_goal
 from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
-from crow.support import unsupported
 from crow.trace import Trace
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ ENGINES = ("auto", "best", "iddfs", "iw", "reference")
 HEURISTICS = ("ff", "add")
 """What `h` may name for best-first search: the size of a relaxed plan, or costs added up."""
 
-_RESERVE = 4 << 20
+_RESERVE = 1 << 20
 """Bytes kept back for what is to be told when there is no memory left."""
 
 Found = tuple[tuple[Step, ...], Trace]
@@ -90,7 +89,7 @@ class Planning:
             raise ValueError(f"no engine `{engine}`; there are {', '.join(ENGINES)}")
         if h not in HEURISTICS:
             raise ValueError(f"no heuristic `{h}`; there are {', '.join(HEURISTICS)}")
-        missing = unsupported(problem.world.program)
+        missing = problem.world.unsupported
         if missing is not None:
             raise NotPlannable(missing.construct, missing.location)
         self.problem = problem

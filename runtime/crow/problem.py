@@ -26,6 +26,7 @@ from crow.values import Value, default_value
 if TYPE_CHECKING:
     from crow.domain import Domain
     from crow.stated import CellName
+    from crow.support import Unsupported
 
 TRUE = Constant(value=True, type=BOOL)
 """A goal that is reached already."""
@@ -64,6 +65,13 @@ class World:
     def has_bounds(self) -> bool:
         """Whether the values of any feature are bounded."""
         return any(f.bounds != (None, None) for f in self.program.features)
+
+    @cached_property
+    def unsupported(self) -> "Unsupported | None":
+        """What the program needs that no engine has, looked for once."""
+        from crow.support import unsupported
+
+        return unsupported(self.program)
 
     @cached_property
     def functions(self) -> Mapping[str, Function]:
@@ -170,6 +178,13 @@ class Problem:
         if domain.language is not None:
             made = domain.language.prepared(made)
         self.__dict__.update(made.__dict__)
+
+    @cached_property
+    def is_imperative(self) -> bool:
+        """Whether the program leaves nothing to search on the way to the goal; found out once."""
+        from crow.search.imperative import is_imperative
+
+        return is_imperative(self)
 
     @classmethod
     def made(

@@ -1,9 +1,12 @@
 """What `crow.plan` returns: a plan, or one of the ways in which there is none."""
 
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from crow.plan import Result, took
+
+if TYPE_CHECKING:
+    from crow.problem import Problem, State
 
 LIMITS: Final = {
     "depth": "the depth limit was reached",
@@ -31,6 +34,12 @@ class Plan(Result):
     def is_proved_optimal(self) -> bool:
         """Whether no plan of the program costs less, by proof."""
         return self.unproved == ()
+
+    def states(self, problem: "Problem") -> "tuple[State, ...]":
+        """The projected states: the initial one of its problem, and one after each trace item."""
+        from crow.replay import replay
+
+        return replay(problem.world, problem.initial, self.trace).states
 
     def summary(self) -> str:
         """One line for people: the plan, and what is known of its cost."""

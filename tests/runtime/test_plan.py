@@ -3,7 +3,10 @@
 import json
 
 import pytest
+from support import BLOCKS
 
+import cdlc
+import crow
 from crow.plan import Result, Step, call_text, plan_text
 from crow.trace import DoItem
 
@@ -76,3 +79,15 @@ def test_json() -> None:
 )
 def test_summaries(result: Result, summary: str) -> None:
     assert result.summary() == summary
+
+
+def test_a_plan_has_its_projected_states() -> None:
+    problem = cdlc.load_problem(BLOCKS / "sussman.cdl")
+    result = crow.plan(problem)
+    assert isinstance(result, crow.Plan)
+    states = result.states(problem)
+    assert len(states) == len(result.trace) + 1
+    assert states[0] == problem.initial
+    assert states[-1].cells["on", ("A", "B")]
+    holding = [cell for state in states for cell in state.cells if cell[0] == "holding"]
+    assert list(dict.fromkeys(holding)) == [("holding", (name,)) for name in "CBA"]

@@ -1,6 +1,6 @@
 """A finished point of the search as steps and a trace."""
 
-from typing import Any
+from typing import Any, cast
 
 from crow.plan import Step
 from crow.problem import World
@@ -94,7 +94,7 @@ def _steps(events: list[Any]) -> tuple[Step, ...]:
 
     The binds of a behavior are known in full where its R ends, those of calls in its L too.
     """
-    steps: list[Step] = []
+    steps: list[Step | None] = []  # None until the R of its behavior has ended
     rights: list[tuple[Application, list[Call]]] = []
     lefts: dict[Application, list[list[Call]]] = {}
     for event in events:
@@ -105,7 +105,7 @@ def _steps(events: list[Any]) -> tuple[Step, ...]:
                 rights.append((application, []))
             case ("do", op, arguments, context):
                 call = (len(steps), op, arguments)
-                steps.append(_step(context, op, arguments))
+                steps.append(None)
                 if rights and rights[-1][0] is context.application:
                     rights[-1][1].append(call)
                 else:
@@ -120,7 +120,8 @@ def _steps(events: list[Any]) -> tuple[Step, ...]:
                     steps.append(_step(context, None, ()))
             case _:
                 pass
-    return tuple(steps)
+    assert all(step is not None for step in steps)
+    return cast("tuple[Step, ...]", tuple(steps))
 
 
 def _step(context: Context, op: DoOp | None, arguments: tuple[Value, ...]) -> Step:

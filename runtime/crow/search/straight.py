@@ -13,7 +13,6 @@ from crow.search.code import Code, Op, UnorderedOp
 from crow.search.deepening import Search
 from crow.search.engine import Found
 from crow.search.frames import Application, Context, Frame, Held, Kind, Shared
-from crow.search.imperative import is_imperative
 from crow.search.machine import Machine
 from crow.search.members import with_slots
 from crow.search.plans import plan_of
@@ -101,7 +100,7 @@ class Straight:
     @staticmethod
     def of(problem: Problem, depth_limit: int | None) -> "Straight | None":
         """The run of a problem; None where its program is not imperative."""
-        if not is_imperative(problem):
+        if not problem.is_imperative:
             return None
         machine = _Machine(problem)
         machine.depth_limit = _DEEPEST if depth_limit is None else depth_limit
