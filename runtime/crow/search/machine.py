@@ -6,6 +6,7 @@ to do as data, so that no depth of a program meets a limit of Python's stack.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from crow.evaluate import EvaluationError
 from crow.problem import Problem
@@ -42,6 +43,9 @@ from crow.search.states import Store
 from crow.search.tailward import Tailward
 from crow.search.unordered import Unordered
 from crow.values import Value
+
+if TYPE_CHECKING:
+    from crow.program import Location
 
 
 @dataclass(slots=True)
@@ -111,6 +115,7 @@ class Machine:
         self.screen = Screen()
         self.counters = Counters()
         self.dead = Dead()
+        self._valueless: dict[tuple[Code, Location | None], Test] = {}
         self.finished: Point | None = None
         self.goals: list[AchieveOp] = []
         self.height: Callable[[], int] = lambda: 0
@@ -179,8 +184,29 @@ class Machine:
         op = ops[index]
         try:
             return self._ops[type(op)](point, op, rest)
-        except EvaluationError:
+        except EvaluationError as error:
+            return self._without_value(point, error)
+
+    def _without_value(self, point: Point, error: EvaluationError) -> Step:
+        """A dead end: what a body computes has no value, so it fails at what it is for."""
+        context = point.context
+        code = None if context is None else context.application.code
+        if context is None or code is None:
             return None
+        test = self._valueless.get((code, error.location))
+        if test is None:
+            behavior = code.behavior
+            slots = {parameter.name: slot for slot, parameter in enumerate(behavior.parameters)}
+            condition = behavior.goal or self.problem.goal
+            test = Test(lambda *_: False, condition, slots, error.location or behavior.location)
+            self._valueless[code, error.location] = test
+        self.dead.note(point, str(error), test, context.values, "without a value")
+        return None
+
+    @property
+    def valueless(self) -> Iterator[tuple[Code, Test]]:
+        """The behaviors that computed what has no value, with what stands for that."""
+        return ((code, test) for (code, _), test in self._valueless.items())
 
     def _start(self, point: Point, frame: Frame) -> Step:
         """M starts: its `if`s are decided, and what it wants is held for R."""
@@ -192,8 +218,8 @@ class Machine:
         starting = Starting(self.shared, context.application, context.values, point.state)
         try:
             started = starting.members(code.middle)
-        except EvaluationError:
-            return None
+        except EvaluationError as error:
+            return self._without_value(point, error)
         points = [
             self.enter(
                 point,
@@ -238,8 +264,8 @@ class Machine:
             return None
         try:
             state = code.effect(point.state, context.values)
-        except EvaluationError:
-            return None
+        except EvaluationError as error:
+            return self._without_value(point, error)
         self.counters.effects += 1
         trail = extended(extended(checked.trail, ("eff", context)), ("end", context))
         return Point(state, None, frame.next, trail, point.cuts)

@@ -68,12 +68,13 @@ Step = Point | Choice | None
 
 @dataclass(slots=True)
 class Failures:
-    """How often a condition failed for a reason, and where it did so farthest on the way."""
+    """How often a condition failed for a kind of reason, and where farthest on the way."""
 
     count: int
     depth: int
     point: Point
     values: Environment
+    reason: str
 
 
 class Dead:
@@ -92,16 +93,22 @@ class Dead:
         self.point: Point | None = None
         self.failures: dict[tuple[Test, str], Failures] = {}
 
-    def note(self, point: Point, reason: str, test: Test, values: Environment) -> None:
-        """Remember a dead end; as the farthest, if none was farther."""
+    def note(
+        self, point: Point, reason: str, test: Test, values: Environment, kind: str = ""
+    ) -> None:
+        """Remember a dead end; as the farthest, if none was farther.
+
+        Reasons that read otherwise each time have a `kind` under which they are counted.
+        """
         depth = 0 if point.trail is None else point.trail[2]
-        found = self.failures.get((test, reason))
+        found = self.failures.get((test, kind or reason))
         if found is None:
-            self.failures[test, reason] = Failures(1, depth, point, values)
+            self.failures[test, kind or reason] = Failures(1, depth, point, values, reason)
         else:
             found.count += 1
             if depth > found.depth:
                 found.depth, found.point, found.values = depth, point, values
+                found.reason = reason
         if depth > self.depth:
             self.depth, self.reason = depth, reason
             self.test, self.values, self.point = test, values, point

@@ -104,6 +104,8 @@ def roles_of(machine: Machine) -> dict[Test, Role]:
         middle = () if code.middle is None else (code.middle,)
         for op in _ops((*code.left, *middle, *code.right)):
             _role(found, code, op)
+    for code, test in machine.valueless:
+        found[test] = Role(Kind.EFFECT, code, test)
     return found
 
 
@@ -384,9 +386,9 @@ def _failures(machines: tuple[Machine, ...]) -> tuple[Failure, ...]:
     merged: dict[tuple[Any, ...], tuple[int, Failure]] = {}
     for machine in machines:
         roles = roles_of(machine)
-        for (test, reason), found in machine.dead.failures.items():
+        for (test, _), found in machine.dead.failures.items():
             role = roles.get(test)
-            failure = _failure(machine, test, reason, found, role)
+            failure = _failure(machine, test, found.reason, found, role)
             key = (failure.location, failure.text, failure.reason, failure.behavior)
             before = merged.get(key)
             merged[key] = (found.depth, failure) if before is None else _both(

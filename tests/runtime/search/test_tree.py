@@ -157,3 +157,31 @@ def test_before_anything_failed_there_is_the_goal() -> None:
     tree = planning.refinement()
     assert [failure.reason for failure in tree.failures] == ["it has not become true so far"]
     assert [node.kind for node in tree.nodes] == [Kind.GOAL, Kind.FAILED]
+
+
+BOUNDED = """
+typedef tank
+feature [[max=2]] level(t: tank) -> int64
+feature full(t: tank)
+controller pour(t: tank)
+behavior fill(t: tank):
+  goal: full(t)
+  body:
+    do pour(t)
+  eff:
+    level[t] = level(t) + 3
+    full[t] = True
+"""
+
+
+@pytest.mark.parametrize("engine", ["auto", "best", "iddfs", "iw"])
+def test_an_effect_that_leaves_its_bounds_is_told(engine: str) -> None:
+    text = 'problem "p"\nobjects:\n  a, b: tank\ninit: pass\ngoal: full(b)\n'
+    planning = Planning(problem_of(BOUNDED, text), engine)
+    result = planning.first()
+    assert result.status == "unsolvable"
+    assert result.explanation is not None
+    assert "with t = b: `level(b)` would be 3, and may be at most 2" in result.explanation
+    (failure,) = planning.refinement().failures
+    assert failure.reason == "`level(b)` would be 3, and may be at most 2"
+    assert failure.behavior == "fill"
