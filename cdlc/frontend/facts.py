@@ -152,6 +152,8 @@ class _Section:
         """Whether another line belongs to the block and leaves nothing open."""
         if not other[1] or not _is_closed(other[2]):
             return False
+        if self.indentation is not None and len(other[1]) < self.indentation:
+            return False
         if self.indentation is None:
             self.indentation = len(other[1])
         return True

@@ -33,10 +33,16 @@ def name_of(files: tuple[Path, ...]) -> str:
 CASES = {name_of(files): files for files in [*((f,) for f in PROBLEMS), *OTHERS]}
 
 
+# Its methods achieve after they have acted, which no PDDL says.
+WITHOUT_PDDL = {"blocks/stacking_sussman"}
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_examples_agree(case: str) -> None:
     (found,) = compared(*CASES[case], settings=PATIENT)
-    assert found.outcome is Outcome.AGREE_PLAN, found.reason
+    without = case in WITHOUT_PDDL
+    expected = Outcome.NOT_COMPARABLE if without else Outcome.AGREE_PLAN
+    assert found.outcome is expected, found.reason
 
 
 def test_every_example_has_a_problem() -> None:

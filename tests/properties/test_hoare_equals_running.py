@@ -167,6 +167,34 @@ def test_the_pddl_is_what_running_does(case: Case, true: Facts, level: Level) ->
     check_pddl(case, true, level)
 
 
+NARROWER = """
+typedef T
+typedef U: T
+typedef W: T
+typedef V
+feature a()
+feature p(x0: T)
+feature q(x0: U)
+feature on(x0: T, x1: T)
+feature in(x0: V, x1: U)
+object_constant home: U
+controller change(x: T):
+  eff:
+    foreach z: U:
+      on[z, x] = q(z)
+behavior act(x: T):
+  body:
+    do change(x)
+  eff:
+    a[...] = on(x, home)
+"""
+
+
+def test_what_is_read_of_a_narrower_type_is_well_typed_pddl() -> None:
+    true = frozenset({("q", ("u1",)), ("q", ("home",)), ("on", ("t1", "home"))})
+    check_pddl(Case(NARROWER, ("x",)), true, Level.BASIC)
+
+
 @pytest.mark.slow
 @given(cases(with_body=True), STATES, LEVELS)
 @settings(UNSHRUNK, max_examples=400)

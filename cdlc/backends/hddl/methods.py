@@ -15,7 +15,7 @@ from cdlc.backends.hddl.networks import Network, Subtask, beside, single
 from cdlc.backends.hddl.ways import Block, Rules, ways_of, ways_through
 from cdlc.backends.pddl import PddlTask
 from cdlc.backends.pddl.actions import Action, Source
-from cdlc.backends.pddl.conditions import Lowering, condition
+from cdlc.backends.pddl.conditions import condition, lowering_of
 from cdlc.backends.pddl.names import variable_name
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.sexpr import NEVER, NotPddl, SExpr, words
@@ -398,7 +398,7 @@ class ProgramTasks:
         except NotModelled as refused:
             raise NotPddl(refused.construct, refused.location) from None
         written = {name: f"?{variable}" for name, variable in variables.items()}
-        lowering = Lowering(self.names, model.pool, written)
+        lowering = lowering_of(model, self.names, written)
         formula = condition(model.pool.conjunction(formulas), lowering)
         gone = next((self._gone[word] for word in words(formula) if word in self._gone), None)
         if gone is not None:

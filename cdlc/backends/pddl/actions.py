@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
-from cdlc.backends.pddl.conditions import Lowering, condition, typed
+from cdlc.backends.pddl.conditions import condition, lowering_of, typed
 from cdlc.backends.pddl.costs import Charged, Costs, CostTable, charge_of, table_of
 from cdlc.backends.pddl.effects import effects, overruling
 from cdlc.backends.pddl.names import Names, imported_name, variable_name
@@ -226,7 +226,7 @@ def _action(
     first = group[0]
     triple = first.triple
     chosen = _parameter_names(model.program, first)
-    lowering = Lowering(names, model.pool, {name: f"?{chosen[name]}" for name in first.order})
+    lowering = lowering_of(model, names, {name: f"?{chosen[name]}" for name in first.order})
     executor = Executor(model.program, model.pool)
     precondition = condition(model.pool.conjunction(triple.pre), lowering)
     if precondition == NEVER:

@@ -7,7 +7,7 @@ writes is unfolded all the same.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cdlc.backends.pddl.conditions import Lowering, condition, typed
+from cdlc.backends.pddl.conditions import condition, lowering_of, typed
 from cdlc.backends.pddl.names import Names, imported_name, variable_name
 from cdlc.backends.pddl.normal import plain
 from cdlc.backends.pddl.sexpr import SExpr, printed, words
@@ -93,7 +93,7 @@ def _axiom(function: Function, kept: Sequence[Function], model: Model, names: Na
         chosen.append(variable_name(parameter.name, chosen))
     own = [p.name for p in function.parameters]
     written = {name: f"?{pddl}" for name, pddl in zip(own, chosen, strict=True)}
-    body = condition(plain(formula, model.pool), Lowering(names, model.pool, written))
+    body = condition(plain(formula, model.pool), lowering_of(model, names, written))
     parameters = tuple(
         replace(p, name=pddl) for p, pddl in zip(function.parameters, chosen, strict=True)
     )

@@ -20,6 +20,7 @@ from cdlc.backends.pddl.sexpr import (
     written_size,
 )
 from cdlc.ir.graph import in_order, parts
+from cdlc.ir.hoare import Model
 from cdlc.ir.names import shown_name
 from cdlc.ir.pool import Pool
 from crow.program import (
@@ -51,6 +52,8 @@ class Lowering:
     names: Names
     pool: Pool
     variables: Mapping[str, str]
+    parameters: Mapping[str, tuple[Type, ...]] = field(default_factory=dict)
+    """The types of what each feature is about."""
     # What was lowered already, by identity: formulas are graphs.
     _done: dict[int, SExpr] = field(default_factory=dict)
 
@@ -62,13 +65,19 @@ class Lowering:
             name = variable_name(shown_name(variable, ()), taken)
             taken.add(name)
             inner[variable.name] = f"?{name}"
-        return Lowering(self.names, self.pool, inner)
+        return Lowering(self.names, self.pool, inner, self.parameters)
 
     def lowered(self, node: Expression) -> SExpr:
         """A Boolean expression as a PDDL condition, however large."""
         if id(node) not in self._done:
             self._done[id(node)] = _lowered(node, self)
         return self._done[id(node)]
+
+
+def lowering_of(model: Model, names: Names, variables: Mapping[str, str]) -> Lowering:
+    """How formulas of a model are written."""
+    parameters = {f.name: tuple(p.type for p in f.parameters) for f in model.program.features}
+    return Lowering(names, model.pool, variables, parameters)
 
 
 def condition(node: Expression, lowering: Lowering) -> SExpr:
@@ -147,7 +156,8 @@ def _atomic(node: Expression, lowering: Lowering) -> SExpr:
         case Compare(left=left) if is_number(left.type):
             return comparison(node, lambda read: atom(read, lowering))
         case Read() if is_boolean(node.type):
-            return atom(node, lowering)
+            wide = _too_wide(node, lowering)
+            return atom(node, lowering) if wide is None else lowering.lowered(wide)
         case Apply(function=name, arguments=arguments) if lowering.names.has("derived", name):
             return (
                 lowering.names.get("derived", name),
@@ -193,6 +203,23 @@ def _opened(node: Expression, read: Read, pool: Pool) -> Expression:
         other = pool.disjunction((pool.negation(pool.equal(read, value)), body))
         return pool.quantified("forall", (value,), other)
     return pool.quantified("exists", (value,), pool.conjunction((pool.equal(read, value), body)))
+
+
+def _too_wide(node: Read, lowering: Lowering) -> Expression | None:
+    """`q(x)` as `forall u: u == x implies q(u)`, where the type of `x` is wider than that of `u`.
+
+    A formula says elsewhere that `x` is of the narrower type; a reader of PDDL looks at types only.
+    """
+    pool = lowering.pool
+    types = lowering.parameters.get(node.feature, ())
+    for wide, type_ in zip(node.arguments, types, strict=False):
+        if isinstance(wide, Variable) and not pool.hierarchy.is_subtype(wide.type, type_):
+            narrow = pool.fresh(Parameter(node.feature, type_))
+            new = tuple(narrow if argument is wide else argument for argument in node.arguments)
+            read = pool.read(node.feature, new, node.type)
+            other = pool.disjunction((pool.negation(pool.equal(narrow, wide)), read))
+            return pool.quantified("forall", (narrow,), other)
+    return None
 
 
 def _has_read(node: Expression) -> bool:

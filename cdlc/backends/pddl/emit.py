@@ -13,7 +13,7 @@ from cdlc.backends.pddl.axioms import (
     opaque_triples,
     used_axioms,
 )
-from cdlc.backends.pddl.conditions import Lowering, atom, condition
+from cdlc.backends.pddl.conditions import atom, condition, lowering_of
 from cdlc.backends.pddl.costs import Costs, charged
 from cdlc.backends.pddl.domain import Domain, domain_text
 from cdlc.backends.pddl.enumerated import enumerated
@@ -254,7 +254,7 @@ def _metric(model: Model, problem: Problem, names: Names, costs: Costs) -> SExpr
         return ("total-cost",)
     if problem.minimize is None:
         return None
-    lowering = Lowering(names, model.pool, {})
+    lowering = lowering_of(model, names, {})
     minimize = plain(model.formula(problem.minimize), model.pool)
     try:
         return numeric(minimize, lambda read: atom(read, lowering))
@@ -269,4 +269,4 @@ def _goal(model: Model, problem: Problem, names: Names) -> SExpr:
         goal = model.formula(problem.goal)
     except NotModelled as refused:
         raise NotPddl(refused.construct, refused.location) from None
-    return condition(plain(goal, model.pool), Lowering(names, model.pool, {}))
+    return condition(plain(goal, model.pool), lowering_of(model, names, {}))

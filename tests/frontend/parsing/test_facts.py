@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from checking import check_text
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cdlc.diagnostics import Collector
@@ -58,6 +58,7 @@ blocks = st.lists(
 ends = st.sampled_from(["\n", "\n", "\r\n"])
 
 
+@example("init:", [("    ", LINES[0]), ("  ", "foreach x: block:"), ("    ", LINES[0])], "\n")
 @given(st.sampled_from(["init:", "objects:", "init :  # facts", "init"]), blocks, ends)
 def test_the_scanner_reads_what_the_grammar_reads(
     header: str, lines: list[tuple[str, str]], end: str
