@@ -139,9 +139,8 @@ class Auto:
     """Deepening and best-first search by turns, each turn longer than the one before.
 
     Best-first search has the larger share at first, deepening in the end. So a plan is found
-    wherever deepening finds one, for a few times its nodes. Only
-    deepening enumerates all plans: its end is the end, unless best-first search has shown that
-    there is no plan at all.
+    wherever deepening finds one, for a few times its nodes. Only deepening enumerates all plans:
+    its end is the end, unless best-first search has shown that there is no plan at all.
     """
 
     def __init__(
