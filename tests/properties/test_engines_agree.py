@@ -122,7 +122,7 @@ def test_random_programs(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(50))
+@pytest.mark.parametrize("part", range(10))
 def test_many_random_programs(
     part: int,
     record_property: Callable[[str, object], None],
@@ -130,5 +130,7 @@ def test_many_random_programs(
 ) -> None:
     """5,000 programs to depth 3, with every engine."""
     shorten_turns(monkeypatch)
-    told = compare_random(100_000 + part * 1_000, 100, 3, lambda _: ENGINES)
+    told: Counter[str] = Counter()
+    for block in range(5 * part, 5 * part + 5):
+        told += compare_random(100_000 + block * 1_000, 100, 3, lambda _: ENGINES)
     check_the_mix(told, record_property)
