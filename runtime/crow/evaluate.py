@@ -142,6 +142,18 @@ def check_bounds(world: World, cell: Cell, value: object) -> None:
     )
 
 
+def check_unset(world: World, cells: Mapping[Cell, object]) -> None:
+    """Raise EvaluationError for a cell that is not set and whose default is out of its bounds."""
+    for feature in world.program.features:
+        unset = world.defaults[feature.name]
+        # What is set was checked where it was set; of large relations that is little.
+        if unset is None or is_within(feature, unset):
+            continue
+        for arguments in world.cells(feature):
+            cell = (feature.name, arguments)
+            check_bounds(world, cell, cells.get(cell, unset))
+
+
 # -------------------------------------------------------------------------------------- expressions
 
 _COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {

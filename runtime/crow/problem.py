@@ -225,16 +225,9 @@ class Problem:
 
         Raises crow.evaluate.EvaluationError when its `init` cannot be computed.
         """
-        from crow.evaluate import check_bounds, execute, is_within
+        from crow.evaluate import check_unset, execute
 
         world = World.of(program, statement.objects)
         initial = execute(world, State(), statement.init, {})
-        for feature in program.features:
-            unset = default_value(feature.type)
-            # What `init` sets was checked where it was set; of large relations that is little.
-            if unset is None or is_within(feature, unset):
-                continue
-            for arguments in world.cells(feature):
-                cell = (feature.name, arguments)
-                check_bounds(world, cell, initial.cells.get(cell, unset))
+        check_unset(world, initial.cells)
         return Problem.made(statement.name, world, initial, statement.goal, statement.minimize)

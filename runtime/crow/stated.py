@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from crow.domain import Domain
-from crow.evaluate import EvaluationError, check_bounds, is_within
+from crow.evaluate import EvaluationError, check_bounds, check_unset
 from crow.problem import Cell, State, World
 from crow.program import Expression, Feature, ObjectType, Parameter, Program
 from crow.reading import WrongValueError, read_json
@@ -40,8 +40,8 @@ def world_of(program: Program, objects: Mapping[str, str]) -> World:
 def state_of(world: World, init: Mapping[CellName, Value]) -> State:
     """The state with some cells set and all others at their defaults.
 
-    Raises ProblemError for what is no cell or no value of its feature, and for a feature that has
-    no default and is not set everywhere.
+    Raises ProblemError for what is no cell or no value of its feature, and for a cell that is not
+    set and whose default is out of bounds.
     """
     cells: dict[Cell, Value] = {}
     for name, value in init.items():
@@ -53,7 +53,10 @@ def state_of(world: World, init: Mapping[CellName, Value]) -> State:
             raise ProblemError(f"`{_shown(name)}`: {error}") from None
         if own != default_value(feature.type):
             cells[cell] = own
-    _check_unset(world, cells, init)
+    try:
+        check_unset(world, cells)
+    except EvaluationError as error:
+        raise ProblemError(f"{error}; `init` has to set it") from None
     return State(cells)
 
 
@@ -80,22 +83,6 @@ def _cell(world: World, name: CellName) -> tuple[Feature, Cell]:
             hint = _meant(argument, error.known)
             raise ProblemError(f"`{_shown(name)}`: {error}{hint}") from None
     return feature, (called, arguments)
-
-
-def _check_unset(world: World, cells: Mapping[Cell, Value], init: Mapping[CellName, Value]) -> None:
-    """Raise for a default that is out of bounds. Values that have no default may stay unset."""
-    given = {_cell(world, name)[1] for name in init}
-    for feature in world.program.features:
-        unset = default_value(feature.type)
-        if unset is None or is_within(feature, unset):
-            continue
-        for arguments in world.cells(feature):
-            cell = (feature.name, arguments)
-            if cell not in given:
-                try:
-                    check_bounds(world, cell, cells.get(cell, unset))
-                except EvaluationError as error:
-                    raise ProblemError(f"{error}; `init` has to set it") from None
 
 
 def expression_of(

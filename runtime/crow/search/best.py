@@ -105,11 +105,12 @@ class BestFirst:
 
     def _outlined(self) -> Iterator[Point | None]:
         """A point with nothing left to do along an outline, if that is found soon."""
-        check = self.check
-        for outline in Outlines(self.machine, self.guiding, check).search(MOST_STATES):
+        outlines = Outlines(self.machine, self.guiding, self.check)
+        for outline in outlines.search(MOST_STATES):
             if outline is not None:
                 nodes = LEAST_NODES + NODES_A_STEP * len(outline.operators)
-                yield from Follower(self.machine, self.guiding, outline, check).search(nodes)
+                links = outlines.links(outline)
+                yield from Follower(self.machine, self.guiding, links, self.check).search(nodes)
             else:
                 yield None
 

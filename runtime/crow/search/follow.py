@@ -14,7 +14,7 @@ from crow.search.machine import Machine
 from crow.search.members import begun, walk
 from crow.search.points import Choice, Point
 from crow.search.relaxed.guide import Guiding
-from crow.search.relaxed.links import Links, Outline, applied
+from crow.search.relaxed.links import Links, applied
 from crow.search.relaxed.operators import FIRST
 from crow.search.relaxed.remaining import agrees
 from crow.search.states import Snapshot
@@ -33,15 +33,13 @@ class Follower:
     """Depth-first search along one outline. `check` is called again and again and may raise."""
 
     def __init__(
-        self, machine: Machine, guiding: Guiding, outline: Outline, check: Callable[[], None]
+        self, machine: Machine, guiding: Guiding, links: Links, check: Callable[[], None]
     ) -> None:
         self.machine = machine
         self.guiding = guiding
-        self.outline = outline
+        self.links = links
+        self.outline = links.outline
         self.check = check
-        start = machine.start()
-        wanted = frozenset(guiding.remaining.left(start.context, start.frame).wanted)
-        self.links = Links(guiding.task, wanted, outline)
         self.changing = {o.code for o in guiding.task.operators if o.writes}
         self._seen: set[Hashable] = set()
 

@@ -10,7 +10,7 @@ from crow.replay import replay_to_goal
 from crow.search.follow import Follower
 from crow.search.machine import Machine
 from crow.search.relaxed.guide import Guiding
-from crow.search.relaxed.links import Links, Outline
+from crow.search.relaxed.links import Outline
 from crow.search.relaxed.outlines import Outlines
 
 FOLLOWED = ["blocks/sussman", "blocks/towers12", "briefcase/payday", "gripper/four", "jugs/four",
@@ -32,10 +32,6 @@ def example(name: str) -> crow.Problem:
 def found(search: Outlines) -> Outline:
     (outline,) = [one for one in search.search(2_000) if one is not None]
     return outline
-
-
-def links(search: Outlines, outline: Outline) -> Links:
-    return Links(search.task, search.wanted, outline)
 
 
 @pytest.mark.parametrize("name", OUTLINED)
@@ -65,15 +61,15 @@ def test_steps_that_are_for_nothing_are_left_out() -> None:
     outline = found(search)
     path = search._path(outline.states[-1])
     whole = search._through(path)
-    assert links(search, whole).useless()
+    assert search.links(whole).useless()
     assert len(outline.states) < len(path)
-    assert links(search, outline).useless() == []
+    assert search.links(outline).useless() == []
 
 
 def test_what_lasts_is_what_a_step_is_for() -> None:
     search = outlines(example("blocks/sussman"))
     outline = found(search)
-    known = links(search, outline)
+    known = search.links(outline)
     last = len(outline.operators)
     # A is stacked for the goal alone, and held only to be stacked.
     assert known.purposes(last - 1) == {(None, last)}
@@ -89,7 +85,7 @@ def test_the_program_goes_along_an_outline(name: str) -> None:
     task = example(name)
     search = outlines(task)
     outline = found(search)
-    follower = Follower(search.machine, search.guiding, outline, lambda: None)
+    follower = Follower(search.machine, search.guiding, search.links(outline), lambda: None)
     points = [point for point in follower.search(20_000) if point is not None]
     assert [point.state for point in points] == [outline.states[-1]]
 
@@ -98,7 +94,7 @@ def test_where_the_program_has_no_such_plan_the_search_goes_on() -> None:
     # A truck drives to where a parcel will be before it is there; the program has it wait.
     task = example("logistics/parcel")
     search = outlines(task)
-    follower = Follower(search.machine, search.guiding, found(search), lambda: None)
+    follower = Follower(search.machine, search.guiding, search.links(found(search)), lambda: None)
     assert not any(follower.search(20_000))
     result = crow.plan(task, "best")
     assert isinstance(result, crow.Plan)

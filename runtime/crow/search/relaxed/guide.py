@@ -60,6 +60,7 @@ class Guiding:
         self.evaluations = 0
         self._costs: dict[tuple[Snapshot, frozenset[int]], Costs] = {}
         self._early: dict[tuple[Snapshot, int, int, frozenset[int]], bool] = {}
+        self._destroyers: dict[tuple[int, int, int], frozenset[int]] = {}
         self._size = 0
 
     def guide(self, point: Point) -> Guide:
@@ -173,10 +174,16 @@ class Guiding:
         found = costs(task, true, frozenset(kept))
         return any(isinf(found.facts[number]) for number in left.goals)
 
-    def destroyers(self, number: int) -> set[int]:
+    def destroyers(self, number: int) -> frozenset[int]:
         """The operators that make a fact false for certain."""
-        fact = self.task.facts[number]
+        task = self.task
+        fact = task.facts[number]
         if not isinstance(fact, CellFact):
-            return set()
-        writers = self.task.writers.get(fact.cell, ())
-        return {index for index in writers if number in self.task.destroyed(index)}
+            return frozenset()
+        key = number, len(task.facts), len(task.operators)
+        found = self._destroyers.get(key)
+        if found is None:
+            writers = task.writers.get(fact.cell, ())
+            found = frozenset(index for index in writers if number in task.destroyed(index))
+            self._destroyers[key] = found
+        return found

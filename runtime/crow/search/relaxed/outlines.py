@@ -58,7 +58,10 @@ class Outlines:
         self._pushed = 0
         self._before: dict[Snapshot, Snapshot] = {}
         self._seen: dict[Snapshot, _Seen] = {}
-        self._destroyers: dict[int, frozenset[int]] = {}
+
+    def links(self, outline: Outline) -> Links:
+        """What the steps of an outline are for."""
+        return Links(self.task, self.wanted, outline)
 
     def search(self, states: int) -> Iterator[Outline | None]:
         """An outline, after None for each state searched; none within so many states: nothing."""
@@ -155,10 +158,7 @@ class Outlines:
 
     def _destroying(self, facts: Sequence[int]) -> frozenset[int]:
         """The operators that make any of some facts false for certain."""
-        for number in facts:
-            if number not in self._destroyers:
-                self._destroyers[number] = frozenset(self.guiding.destroyers(number))
-        return frozenset().union(*(self._destroyers[number] for number in facts))
+        return frozenset().union(*map(self.guiding.destroyers, facts))
 
     # ------------------------------------------------------------------------------------- running
 
@@ -192,7 +192,7 @@ class Outlines:
     def outline(self, path: list[Snapshot]) -> Outline:
         """The outline that goes through some states, without steps that it can do without."""
         found = self._through(path)
-        useless = Links(self.task, self.wanted, found).useless()
+        useless = self.links(found).useless()
         return self._through(self._shortened(found, useless)) if useless else found
 
     def _through(self, path: list[Snapshot]) -> Outline:
