@@ -180,12 +180,20 @@ class Compilation:
         """The PDDL of the domain and, if there is one, of the problem."""
         from cdlc.backends.pddl import Emission, to_pddl
 
+        self._refuse_simulated()
         problem = self.problem if self.statement is not None else None
         emission = Emission(self.axioms, self.enumerates)
         task = to_pddl(self.model, problem, self.found, emission)
         self._stop_at_errors()
         assert task is not None
         return task
+
+    def _refuse_simulated(self) -> None:
+        from cdlc.backends.functions import report_simulated
+
+        if self.functions is not None:
+            report_simulated(self.program, self.registered, self.found)
+        self._stop_at_errors()
 
     @cached_property
     def hddl(self) -> "HddlTask":

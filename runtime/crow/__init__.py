@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from crow.problem import Problem, State, World
     from crow.program.codec import ProgramFormatError
     from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
+    from crow.robot import Robot
     from crow.stated import ProblemError
 
 __all__ = [
@@ -41,6 +42,7 @@ __all__ = [
     "Stuck",
     "Environment",
     "Execution",
+    "Robot",
     "Problem",
     "ProblemError",
     "ProgramFormatError",
@@ -76,6 +78,7 @@ _PLACES = {
         ("function", "generator", "effect", "controller", "FunctionsError"), "crow.functions"
     ),
     "FunctionError": "crow.calls",
+    "Robot": "crow.robot",
     "ProblemError": "crow.stated",
     "ProgramFormatError": "crow.program.codec",
 }
@@ -104,8 +107,8 @@ def plan(
     plan says which.
 
     Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
-    program that would have to choose values, and ValueError for an engine or heuristic that is
-    not one.
+    program that would have to choose values or whose Python is not given, ValueError for an engine
+    or heuristic that is not one, and FunctionError where the user's Python fails.
     """
     from crow.planning import Planning
 

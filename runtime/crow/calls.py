@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeVar
 
 from crow.budget import Stopped
-from crow.outside import given_out, taken_in
+from crow.outside import taken_in
 from crow.plan import call_text
 from crow.problem import Cell, World
 from crow.program import Location, ObjectType, Type
@@ -13,7 +13,7 @@ from crow.program.types import BOOL, underlying
 from crow.python_files import user_traceback
 from crow.reading import WrongValueError
 from crow.unknowns import Touched, Unknown, unknowns_in
-from crow.values import Value, converted
+from crow.values import Value, converted, given_out
 
 Row = tuple[Value, ...]
 Cells = Mapping[Cell, object]

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 from crow.calls import Call, Cells, Remembered, Row, arguments_for, part_read
 from crow.functions import Registration
 from crow.generators import ExternalGenerator
-from crow.outside import given_out
 from crow.problem import World
 from crow.program import Function, Location, ObjectType, Parameter, Type
 from crow.simulators import ExternalEffect
-from crow.values import Value
+from crow.values import Value, given_out
 from crow.views import StateView
 
 if TYPE_CHECKING:

@@ -130,7 +130,7 @@ def _marked(given: "str | Python | None", mark: Mark) -> Any:
 
     def decorate(python: _F) -> _F:
         try:
-            setattr(python, _MARKS, (*_marks(python), named))
+            setattr(python, _MARKS, tuple(dict.fromkeys((*_marks(python), named))))
         except AttributeError:
             message = f"{python!r:.60} cannot be decorated; give it in a mapping"
             raise TypeError(message) from None
@@ -201,7 +201,7 @@ def controller(name: _F, /) -> _F: ...
 @overload
 def controller(name: str | None = None, /) -> Callable[[_F], _F]: ...
 def controller(name: Any = None, /) -> Any:
-    """Mark what carries a controller out, `f(*arguments)`, for `crow.Robot`."""
+    """Mark what carries a controller out, `f(*arguments)`: see crow.Robot."""
     return _marked(name, Mark("controller"))
 
 

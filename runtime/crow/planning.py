@@ -226,7 +226,8 @@ class Planning:
             failure = replayed.failure
             raise AssertionError(f"no plan: `{failure.condition}`: {failure.reason}")
         cost = self._cost(steps, replayed)
-        return Plan(self.name, steps, trace, cost, self.seed, self.statistics())
+        given = tuple(step.given_out() for step in steps)
+        return Plan(self.name, given, trace, cost, self.seed, self.statistics())
 
     def _cost(self, steps: tuple[Step, ...], replayed: Replay) -> float:
         if self.problem.minimize is not None:
