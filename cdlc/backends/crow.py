@@ -1,6 +1,6 @@
 """From the checked program to the runtime's problem."""
 
-from cdlc.backends.errors import NoInitialValue, NotPlannable
+from cdlc.backends.errors import MissingFunction, NoInitialValue, NotPlannable
 from cdlc.diagnostics import Collector
 from crow.evaluate import EvaluationError
 from crow.functions import Registered
@@ -24,8 +24,11 @@ def to_runtime(
 
 
 def check_plannable(problem: Problem, found: Collector) -> None:
-    """Report what the runtime's planner would have to choose a value for."""
+    """Report what the runtime's planner would have to choose a value for, or has no Python for."""
     missing = problem.world.unsupported
     if missing is not None:
         location = missing.location or Location("", 1, 1, 1, 1)
-        found.add(NotPlannable(location=location, construct=missing.construct))
+        if missing.function is not None:
+            found.add(MissingFunction(location=location, function=missing.function))
+        else:
+            found.add(NotPlannable(location=location, construct=missing.construct))

@@ -231,8 +231,8 @@ class NotPlannable(Diagnostic):
 
         bind t: Trajectory where: clear_of(o, t)
 
-    Numbers may be features, and parameters that a goal gives a value. A `bind` of a value, a value
-    parameter that the goal does not mention, and functions in Python need a solver of constraints.
+    Numbers may be features, and parameters that a goal gives a value. A `bind` of a value, and a
+    value parameter that the goal does not mention, need a solver of constraints.
     """
 
     construct: str
@@ -242,3 +242,23 @@ class NotPlannable(Diagnostic):
 
     def notes(self) -> tuple[str, ...]:
         return ("the planner chooses among objects; it does not compute or sample values yet",)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class MissingFunction(Diagnostic):
+    """A call of an external function whose Python was not given.
+
+        def near(a: place, b: place) -> bool      # a `def` without a body
+
+    Planning evaluates it, so its Python has to be there: `--functions FILE.py` on the command line,
+    `functions=` in the library. A function of the same name in that file, or one with
+    `@crow.function("near")`, is called with as many values as the program declares.
+    """
+
+    function: str
+
+    def message(self) -> str:
+        return f"the external function `{self.function}` has no Python, which planning needs"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("give it with `--functions FILE.py`, or write its body in CDL"),)

@@ -18,10 +18,14 @@ from crow.program.walk import expressions_of, statements_within, subexpressions
 
 @dataclass(frozen=True, slots=True)
 class Unsupported:
-    """A construct that planning over objects does not cover."""
+    """A construct that planning over objects does not cover.
+
+    `function` is the external function whose Python is not given, if it is that.
+    """
 
     construct: str
     location: Location | None
+    function: str | None = None
 
 
 def unsupported(program: Program, given: Collection[str] = ()) -> Unsupported | None:
@@ -43,6 +47,7 @@ def unsupported(program: Program, given: Collection[str] = ()) -> Unsupported | 
                     return Unsupported(
                         f"the external function `{part.function}`, whose Python is not given",
                         part.location,
+                        part.function,
                     )
     return None
 

@@ -40,6 +40,7 @@ STAGES = {
     "not-in-pddl": "pddl",
     "needs-problem": "up_text",
     "not-plannable": "plannable",
+    "missing-function": "plannable",
     "not-discrete": "pddl",
     "split-behavior": "pddl",
     "unset-in-pddl": "pddl",
