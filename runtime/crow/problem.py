@@ -1,10 +1,10 @@
 """A planning problem: a program with objects, an initial state and a goal."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from crow.program import (
     BOOL,
@@ -45,6 +45,14 @@ class World:
         declared = [(c.name, c.type) for c in program.constants]
         declared += [(o.name, o.type) for o in objects]
         return World(program, {n: t for n, t in declared if isinstance(t, ObjectType)})
+
+    @cached_property
+    def kept(self) -> dict[str, Any]:
+        """What planning has computed about the world and may use again; never pickled."""
+        return {}
+
+    def __getstate__(self) -> dict[str, object]:
+        return {own.name: getattr(self, own.name) for own in fields(self)}
 
     @cached_property
     def hierarchy(self) -> Hierarchy:
