@@ -47,6 +47,7 @@ from crow.program import (
 )
 from crow.program.expressions import ArithmeticOperator
 from crow.program.locals import Locals, set_local
+from crow.unknowns import Touched, Unknown
 from crow.values import Value, converted, stored
 
 Environment = Mapping[str, Value]
@@ -67,7 +68,8 @@ def evaluate(world: World, state: State, expression: Expression, variables: Envi
     """The value of an expression in a state.
 
     Raises EvaluationError for an unset value, a division by zero, a number out of range, or an
-    external function, which needs Python that is not given.
+    external function, which needs Python that is not given; crow.unknowns.Touched where the value
+    of an unknown is needed.
     """
     try:
         return _Evaluator(world, state.cells).value(expression, variables)
@@ -247,6 +249,7 @@ class _Evaluator:
             return self.written[cell]
         if cell in self.cells:
             return self.cells[cell]
+        check_known(cell)
         default = self.world.defaults[cell[0]]
         if default is None:
             raise EvaluationError(f"`{shown_cell(cell)}` has no value", location)
@@ -328,6 +331,14 @@ def shown_cell(cell: Cell) -> str:
     return f"{feature}({', '.join(arguments)})"
 
 
+def check_known(cell: Cell) -> None:
+    """Raise Touched for a cell of an object that is not known yet."""
+    arguments: tuple[object, ...] = cell[1]
+    for argument in arguments:
+        if type(argument) is Unknown:
+            raise Touched(argument)
+
+
 # ------------------------------------------------------------------------------------------ effects
 
 
@@ -401,6 +412,7 @@ class _Run:
         feature = self.world.features[node.feature]
         arguments = tuple([self.evaluator.value(a, variables) for a in node.arguments])
         cell = (node.feature, arguments)
+        check_known(cell)
         value = self.evaluator.value(node.value, variables)
         if node.operator != "=":
             before = self.evaluator.cell(cell, node.location)

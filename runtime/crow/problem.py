@@ -21,6 +21,7 @@ from crow.program import (
     Type,
 )
 from crow.program.definitions import Behavior
+from crow.unknowns import is_same
 from crow.values import Value, default_value
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ class World:
         """The state after some cells changed."""
         cells = {**state.cells, **changes}
         for (feature, arguments), value in changes.items():
-            if value == self.defaults[feature]:
+            if is_same(value, self.defaults[feature]):
                 del cells[feature, arguments]
         return State(cells)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from crow.program import FLOAT32, INT32, INT64, ListType, ObjectType, Type, VectorType
 from crow.program.types import BOOL, is_number, underlying
+from crow.unknowns import Unknown, kept
 
 Value = Any
 """A bool, int, float, string, object name, tuple of numbers, or opaque Python value."""
@@ -31,10 +32,13 @@ def default_value(type_: Type) -> Value | None:
 def converted(value: Value, type_: Type) -> Value:
     """A value as an expression of that type has it: integers within their width, floats as double.
 
-    Raises ValueRangeError for a number, or a vector, that the type does not hold.
+    Raises ValueRangeError for a number, or a vector, that the type does not hold, and Touched for
+    an unknown whose value may change by it.
     """
     if isinstance(type_, ObjectType) or isinstance(value, bool):
         return value  # mostly
+    if type(value) is Unknown:
+        return kept(value, type_)
     plain = underlying(type_)
     if plain in _WIDTHS:
         return _within(value, plain)
@@ -67,6 +71,8 @@ def _within(value: Value, type_: Type) -> Value:
 
 
 def _rounded(value: Value, type_: Type) -> Value:
+    if type(value) is Unknown:
+        return kept(value, type_, is_stored=True)
     match type_:
         case VectorType(element=element) | ListType(element=element):
             return tuple(_rounded(item, underlying(element)) for item in value)
