@@ -21,8 +21,8 @@ _COLUMNS = (
 )  # fmt: skip
 _NOTE = (
     "target: at most GTPyhop's CPU, and plans as short. Ours and GTPyhop's are the least of three,"
-    " without start-up; for GTPyhop Python's recursion limit is raised, which it meets between 60"
-    " and 80 blocks; lama-first is a whole process"
+    " without start-up, so programs and methods are compiled; for GTPyhop Python's recursion limit"
+    " is raised, which it meets between 60 and 80 blocks; lama-first is a whole process"
 )
 
 

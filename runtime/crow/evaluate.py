@@ -33,6 +33,7 @@ from crow.program import (
     Negative,
     Not,
     Object,
+    ObjectType,
     Or,
     Parameter,
     Quantified,
@@ -116,7 +117,7 @@ def changes(
     """What an effect writes into the cells of a state. Raises EvaluationError as `execute` does."""
     run = _Run(world, cells)
     try:
-        run.block(statements, ChainMap(dict(variables)))
+        run.effect(statements, variables)
     except RecursionError:
         location = statements[0].location if statements else None
         raise EvaluationError(_TOO_DEEP, location) from None
@@ -187,8 +188,8 @@ class _Evaluator:
     def value(self, node: Expression, variables: Environment) -> Value:
         # What is most frequent comes first; matching classes takes its time.
         kind = type(node)
-        if kind is Variable and node.name in variables:  # type: ignore[union-attr]
-            return variables[node.name]  # type: ignore[union-attr]
+        if kind is Variable:
+            return self._variable(node, variables)  # type: ignore[arg-type]
         if kind is Read:
             return self._read(node, variables)  # type: ignore[arg-type]
         match node:
@@ -196,14 +197,10 @@ class _Evaluator:
                 return self._read(node, variables)
             case Constant(value=value):
                 return value
-            case Variable(name=name):
-                try:
-                    return variables[name]
-                except KeyError:  # a part of an unordered group ran before the one that binds it
-                    message = f"`{name}` has no value yet"
-                    raise EvaluationError(message, node.location) from None
             case Object(name=name):
                 return name
+            case Variable():
+                return self._variable(node, variables)
             case Not(operand=operand):
                 return not self.value(operand, variables)
             case And(operands=operands):
@@ -235,6 +232,13 @@ class _Evaluator:
                 return self._apply(node, variables)
             case _:
                 assert_never(node)
+
+    def _variable(self, node: Variable, variables: Environment) -> Value:
+        try:
+            return variables[node.name]
+        except KeyError:  # a part of an unordered group ran before the one that binds it
+            message = f"`{node.name}` has no value yet"
+            raise EvaluationError(message, node.location) from None
 
     def _read(self, node: Read, variables: Environment) -> Value:
         cell = (node.feature, tuple([self.value(a, variables) for a in node.arguments]))
@@ -371,6 +375,16 @@ class _Run:
         self.cells = cells
         self.evaluator = _Evaluator(world, cells, self.written)
 
+    def effect(self, statements: tuple[Statement, ...], variables: Environment) -> None:
+        """The statements of an effect; mostly assignments, which need no scope of their own."""
+        scope: Locals | None = None
+        for statement in statements:
+            if type(statement) is Assign and scope is None:
+                self._assign(statement, variables)
+            else:
+                scope = ChainMap(dict(variables)) if scope is None else scope
+                self._statement(statement, scope)
+
     def block(self, statements: tuple[Statement, ...], variables: Locals) -> _Signal:
         for statement in statements:
             signal = self._statement(statement, variables)
@@ -423,7 +437,9 @@ class _Run:
             before = self.evaluator.cell(cell, node.location)
             op = _AUGMENTED[node.operator]
             value = _located(node.location, arithmetic, op, before, value, feature.type)
-        self.written[cell] = _located(node.location, stored, value, feature.type)
+        if not isinstance(feature.type, ObjectType):
+            value = _located(node.location, stored, value, feature.type)
+        self.written[cell] = value
 
     def _for(self, node: ForRange, variables: Locals) -> _Signal:
         for number in range(node.start, node.stop, node.step):

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from crow.functions import NOTHING, Registered
 from crow.program import (
@@ -67,6 +67,14 @@ class World:
         from crow.externals import Externals
 
         return Externals(self)
+
+    @cached_property
+    def kept(self) -> dict[str, Any]:
+        """What planning has computed about the world and may use again; never pickled."""
+        return {}
+
+    def __getstate__(self) -> dict[str, object]:
+        return {own.name: getattr(self, own.name) for own in fields(self)}
 
     @cached_property
     def hierarchy(self) -> Hierarchy:

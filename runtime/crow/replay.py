@@ -100,9 +100,9 @@ def _has_its_effect(world: World, item: DoItem, following: Trace) -> bool:
     controller = world.controllers[item.controller]
     if controller.effect is None:
         return True
-    names = [parameter.name for parameter in controller.parameters]
     match following:
         case (EffItem(owner=controller.name, variables=variables),):
+            names = [parameter.name for parameter in controller.parameters]
             return [variables.get(name) for name in names] == list(item.arguments)
         case _:
             return False

@@ -86,7 +86,7 @@ class Indexed:
         ]
 
     def _enumerated(self, read: Read) -> Callable[[Snapshot, Environment], list[tuple[Value, ...]]]:
-        store, feature = self.programs.store, read.feature
+        feature = read.feature
         fixed = self._fixed(read)
         known = None
         if fixed:
@@ -95,9 +95,9 @@ class Indexed:
 
         def rows(state: Snapshot, values: Environment) -> list[tuple[Value, ...]]:
             found = (
-                store.all_rows(state, feature)
+                state.store.all_rows(state, feature)
                 if known is None
-                else store.rows(state, feature, fixed[0], known(state, values))
+                else state.store.rows(state, feature, fixed[0], known(state, values))
             )
             return self._ordered(found, places)
 

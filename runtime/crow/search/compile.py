@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from itertools import product
+from threading import Lock
 
 from crow.budget import looking
 from crow.conditions import Wanted as Conditions
 from crow.conditions import is_opaque
 from crow.evaluate import EvaluationError
 from crow.matching import Matching
-from crow.problem import Problem
+from crow.problem import World
 from crow.program import (
     Achieve,
     And,
@@ -43,34 +44,51 @@ from crow.search.code import Block, Code, Op, Test, Wanted
 from crow.search.effects import Effect, Effects
 from crow.search.expressions import Compiled, Compiler, Environment, Slots
 from crow.search.reach import Reach
-from crow.search.states import Snapshot, Store
+from crow.search.states import Snapshot
 from crow.values import Value
 
 
 class Programs:
-    """The compiled behaviors of a problem, each made when it is first asked for."""
+    """The compiled behaviors of a world, each made when it is first asked for.
 
-    def __init__(self, problem: Problem, store: Store) -> None:
-        self.world = problem.world
-        self.store = store
-        self.compiler = Compiler(problem.world)
-        self.effects = Effects(problem.world, store, self.compiler)
-        self.conditions = Conditions(problem.world)
-        self.matching = Matching(problem.world)
-        self.reach = Reach(problem.world, self.conditions, self.matching)
+    Whoever plans in a world again, for another state or goal, finds them made.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.compiler = Compiler(world)
+        self.effects = Effects(world, self.compiler)
+        self.conditions = Conditions(world)
+        self.matching = Matching(world)
+        self.reach = Reach(world, self.conditions, self.matching)
+        self._lock = Lock()
         self._codes: dict[str, Code] = {}
+        self._goals: dict[tuple[Expression, Location | None], tuple[Wanted, Test, int]] = {}
         self._controllers: dict[str, Effect | None] = {}
+
+    @staticmethod
+    def of(world: World) -> "Programs":
+        """The programs of a world: searches share them, in other threads too."""
+        found: Programs | None = world.kept.get("programs")
+        if found is None:
+            found = world.kept.setdefault("programs", Programs(world))
+        return found
 
     def code(self, behavior: Behavior) -> Code:
         """The instructions of a behavior."""
         found = self._codes.get(behavior.name)
         if found is None:
-            limits = (a.value for a in behavior.annotations if a.name == "max_nested")
-            limit = next((v for v in limits if isinstance(v, int)), None)
-            found = Code(behavior, behavior.effect is not None, limit)
-            self._codes[behavior.name] = found  # before its body, which may come back to it
-            _Body(self, found).compile()
+            with self._lock:
+                found = self._codes.get(behavior.name) or self._compiled(behavior)
+                self._codes[behavior.name] = found
         return found
+
+    def _compiled(self, behavior: Behavior) -> Code:
+        limits = (a.value for a in behavior.annotations if a.name == "max_nested")
+        limit = next((v for v in limits if isinstance(v, int)), None)
+        made = Code(behavior, behavior.effect is not None, limit)
+        _Body(self, made).compile()
+        return made
 
     def compiled(self) -> tuple[Code, ...]:
         """The behaviors that were asked for so far."""
@@ -78,6 +96,13 @@ class Programs:
 
     def goal(self, goal: Expression) -> tuple[Wanted, Test, int]:
         """What a problem wants, the test of it, and how many slots it takes."""
+        found = self._goals.get((goal, goal.location))
+        if found is None:
+            with self._lock:
+                found = self._goals[goal, goal.location] = self._goal(goal)
+        return found
+
+    def _goal(self, goal: Expression) -> tuple[Wanted, Test, int]:
         root = Behavior("", (), None, (), None, (), None)
         body = _Body(self, Code(root, has_effect=False, max_nested=None))
         wanted = body.wanted(self.conditions.normal(goal), {})

@@ -8,18 +8,17 @@ from crow.problem import World
 from crow.program import Apply, Assign, Expression, Read, Statement
 from crow.program.walk import expressions_of, subexpressions
 from crow.search.expressions import Compiler, Environment, Slots, is_plain
-from crow.search.states import Snapshot, Store
+from crow.search.states import Snapshot
 
 Effect = Callable[[Snapshot, Environment], Snapshot]
 """May raise EvaluationError: such a transition is not applicable."""
 
 
 class Effects:
-    """Compiles the effects of one world for one search."""
+    """Compiles the effects of one world."""
 
-    def __init__(self, world: World, store: Store, compiler: Compiler) -> None:
+    def __init__(self, world: World, compiler: Compiler) -> None:
         self.world = world
-        self.store = store
         self.compiler = compiler
 
     def effect(self, statements: tuple[Statement, ...], slots: Slots) -> Effect:
@@ -51,10 +50,9 @@ class Effects:
             return self.compiler.expression(node, slots)
 
         writes = [(s.feature, tuple(map(value, s.arguments)), value(s.value)) for s in statements]
-        after = self.store.after
 
         def effect(state: Snapshot, values: Environment) -> Snapshot:
-            return after(
+            return state.store.after(
                 state,
                 [
                     ((feature, tuple([a(state, values) for a in arguments])), new(state, values))
@@ -65,10 +63,11 @@ class Effects:
         return effect
 
     def _interpreted(self, statements: tuple[Statement, ...], slots: Slots) -> Effect:
-        world, after = self.world, self.store.after
+        world = self.world
 
         def effect(state: Snapshot, values: Environment) -> Snapshot:
             variables = {name: values[slot] for name, slot in slots.items()}
-            return after(state, changes(world, state.cells, statements, variables).items())
+            written = changes(world, state.cells, statements, variables)
+            return state.store.after(state, written.items())
 
         return effect

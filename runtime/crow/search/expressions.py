@@ -4,7 +4,7 @@ Connectives, reads and comparisons become Python; arithmetic is left to the inte
 knows about widths and divisions by zero.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
 from math import prod
@@ -43,7 +43,8 @@ from crow.values import Value
 
 Slots = Mapping[str, int]
 """Where the values of the variables in scope are."""
-Environment = tuple[Value, ...]
+Environment = Sequence[Value]
+"""Never changed while it is shared."""
 Compiled = Callable[[Snapshot, Environment], Value]
 
 _MANY: Final = 100_000
@@ -232,6 +233,6 @@ def slots_of(parameters: tuple[Parameter, ...]) -> dict[str, int]:
     return {p.name: i for i, p in enumerate(parameters)}
 
 
-def names_of(slots: Slots, values: Environment) -> dict[str, Value]:
+def names_of(slots: Slots, values: Sequence[Value]) -> dict[str, Value]:
     """The variables in scope that have a value, by name."""
     return {name: values[slot] for name, slot in slots.items() if values[slot] is not None}

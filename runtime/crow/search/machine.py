@@ -103,7 +103,7 @@ class Machine:
         self.level = int(counts_depth)
         self.problem = problem
         self.store = self.make_store()
-        self.programs = Programs(problem, self.store)
+        self.programs = Programs.of(problem.world)
         self.shared = Shared()
         self.prunes = prunes
         self.protects = prunes

@@ -1,11 +1,12 @@
 """A finished point of the search as steps and a trace."""
 
+from collections.abc import Sequence
 from typing import Any, cast
 
 from crow.plan import Step
 from crow.problem import World
-from crow.search.code import DoOp, Test
-from crow.search.expressions import Environment, names_of
+from crow.search.code import Code, DoOp, Test
+from crow.search.expressions import names_of
 from crow.search.frames import Application, Context
 from crow.search.machine import Machine
 from crow.search.points import Point, Trail
@@ -16,7 +17,7 @@ Call = tuple[int, DoOp, tuple[Value, ...]]
 """The number of a step, its controller and the arguments."""
 
 
-def assert_item(test: Test, values: Environment) -> AssertItem:
+def assert_item(test: Test, values: Sequence[Value]) -> AssertItem:
     """An assertion as it stands in a trace."""
     known = names_of(test.slots, values)
     return AssertItem(test.condition, known, test.text, test.location)
@@ -71,22 +72,32 @@ def items_of(world: World, event: Any) -> tuple[TraceItem, ...]:
     match event:
         case ("assert", test, values):
             return (assert_item(test, values),)
-        case ("do", DoOp(controller=name, location=location), arguments, _):
-            controller = world.controllers[name]
-            item = DoItem(name, arguments, location)
-            if controller.effect is None:
-                return (item,)
-            own = dict(zip((p.name for p in controller.parameters), arguments, strict=True))
-            effect = EffItem(name, controller.effect, controller.parameters, own, location)
-            return item, effect
+        case ("do", op, arguments, _):
+            return do_items(world, op, arguments)
         case ("eff", Context(application=application, values=values)):
             assert application.code is not None
-            code, behavior = application.code, application.code.behavior
-            own = names_of(code.effect_slots, values)
-            body = behavior.effect or ()
-            return (EffItem(behavior.name, body, behavior.parameters, own, behavior.location),)
+            return (effect_item(application.code, values),)
         case _:
             return ()
+
+
+def do_items(world: World, op: DoOp, arguments: tuple[Value, ...]) -> tuple[TraceItem, ...]:
+    """A controller call in a trace, and the controller's effect if it has one."""
+    controller = world.controllers[op.controller]
+    item = DoItem(op.controller, arguments, op.location)
+    if controller.effect is None:
+        return (item,)
+    own = dict(zip((p.name for p in controller.parameters), arguments, strict=True))
+    effect = EffItem(op.controller, controller.effect, controller.parameters, own, op.location)
+    return item, effect
+
+
+def effect_item(code: Code, values: Sequence[Value]) -> EffItem:
+    """The effect of a behavior in a trace."""
+    behavior = code.behavior
+    own = names_of(code.effect_slots, values)
+    body = behavior.effect or ()
+    return EffItem(behavior.name, body, behavior.parameters, own, behavior.location)
 
 
 def _steps(events: list[Any]) -> tuple[Step, ...]:

@@ -10,12 +10,16 @@ from crow.values import Value, default_value
 
 
 class Snapshot:
-    """A state: the cells of `base` but for those in `delta`. Equal states are identical."""
+    """A state: the cells of `base` but for those in `delta`. Equal states are identical.
 
-    __slots__ = ("_cells", "base", "delta")
+    Its store makes the states after it, and has the indexes of `base`.
+    """
 
-    def __init__(self, base: dict[Cell, Value], delta: dict[Cell, Value]) -> None:
-        self.base = base
+    __slots__ = ("_cells", "base", "delta", "store")
+
+    def __init__(self, store: "Store", delta: dict[Cell, Value]) -> None:
+        self.store = store
+        self.base = store.base
         self.delta = delta
         self._cells: Mapping[Cell, object] | None = None
 
@@ -34,7 +38,7 @@ class Store:
         self.world = world
         self.base: dict[Cell, Value] = dict(initial.cells)
         self.defaults = {name: default_value(f.type) for name, f in world.features.items()}
-        self.initial = Snapshot(self.base, {})
+        self.initial = Snapshot(self, {})
         self.known: dict[frozenset[tuple[Cell, Value]], Snapshot] = {frozenset(): self.initial}
         self._indexes: dict[tuple[str, int], dict[str, list[tuple[str, ...]]]] = {}
 
@@ -51,7 +55,7 @@ class Store:
         key = frozenset(delta.items())
         found = self.known.get(key)
         if found is None:
-            found = self.known[key] = Snapshot(self.base, delta)
+            found = self.known[key] = Snapshot(self, delta)
         return found
 
     def rows(

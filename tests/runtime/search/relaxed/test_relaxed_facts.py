@@ -4,8 +4,10 @@ from itertools import permutations
 
 import pytest
 
+from crow.problem import State, World
+from crow.program import Program
 from crow.search.relaxed.facts import CellFact, Fact, Made, OpaqueFact, Operator, Task, Write
-from crow.search.states import Snapshot
+from crow.search.states import Snapshot, Store
 
 ON_A, ON_B = ("on", ("a",)), ("on", ("b",))
 TRUE_A = CellFact(ON_A, value=True, is_equal=True)
@@ -66,7 +68,7 @@ def test_the_true_facts_are_those_that_are_true(
 ) -> None:
     task = Task({"on": False, "n": 0})
     known = [task.fact(fact) for fact in [*FACTS, Made("never")]]
-    state = Snapshot({}, dict(delta))
+    state = Snapshot(Store(World(Program("empty"), {}), State()), dict(delta))
     assert set(task.true_facts(state)) == {n for n in known if task.is_true(n, state)}
     assert task.is_true(0, state) is (ON_A in delta)
     assert task.is_true(2, state) is (("n", ()) not in delta)
