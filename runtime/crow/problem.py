@@ -57,10 +57,6 @@ class World:
         own = {n: t for n, t in declared if isinstance(t, ObjectType)}
         return World(with_effects(program, registered), own, registered)
 
-    def __getstate__(self) -> dict[str, object]:
-        # What was found out about a world is not sent along, and Python functions remember much.
-        return {f.name: getattr(self, f.name) for f in fields(self)}
-
     @cached_property
     def externals(self) -> "Externals":
         """The Python of the program, ready to be called."""

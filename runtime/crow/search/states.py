@@ -1,5 +1,6 @@
 """States of a search: what differs from the initial state, each state one object."""
 
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
@@ -27,12 +28,14 @@ class Snapshot:
     def cells(self) -> Mapping[Cell, object]:
         """All cells, as the interpreter reads them."""
         if self._cells is None:
-            self._cells = FixedCells(self.delta, self.base)
+            self._cells = self.store.cells_of(self.delta, self.base)
         return self._cells
 
 
 class Store:
     """The states of one search, and indexes of the cells of its initial state."""
+
+    cells_of: type[ChainMap[Cell, object]] = FixedCells
 
     def __init__(self, world: World, initial: State) -> None:
         self.world = world

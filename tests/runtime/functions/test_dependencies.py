@@ -127,3 +127,42 @@ def test_comparisons_of_calls_are_reached(engine: str, goal: str, controllers: l
     plan = crow.plan(made, engine, depth_limit=3)
     assert isinstance(plan, crow.Plan)
     assert {step.controller for step in plan.steps} == set(controllers)
+
+
+IMPERATIVE = """
+feature n() -> int64
+feature done()
+def [[reads=n]] is_even() -> bool
+controller c(even: bool)
+behavior count_up():
+  goal: done()
+  body:
+    do step_all()
+  eff:
+    done[...] = True
+behavior step():
+  body:
+    if is_even():
+      do c(True)
+    else:
+      do c(False)
+  eff:
+    n += 1
+"""
+
+
+def test_a_run_whose_one_state_changes_in_place_asks_again() -> None:
+    from dataclasses import replace
+
+    calls = "".join("    step()\n" for _ in range(4))
+    made = problem_of(
+        IMPERATIVE.replace("    do step_all()\n", calls), 'problem "p"\ngoal: done()\n'
+    )
+    given = registered(made.world.program, {"is_even": lambda state: state.n() % 2 == 0})
+    made = made.changed(world=replace(made.world, registered=given))
+    assert made.is_imperative
+    for engine in ENGINES:
+        plan = crow.plan(made, engine)
+        assert isinstance(plan, crow.Plan)
+        arguments = [step.arguments for step in plan.steps if step.controller]
+        assert arguments == [(True,), (False,), (True,), (False,)], engine
