@@ -55,7 +55,15 @@ class FixedCells(ChainMap[Cell, object]):
         self.parts: dict[frozenset[str], Part | Unknown] = {}
 
 
-def part_read(cells: Cells, reads: frozenset[str]) -> Part:
+class BaseCells(dict[Cell, Value]):
+    """Cells that never change, below those of many states: each part is looked for once."""
+
+    def __init__(self, cells: Mapping[Cell, object]) -> None:
+        super().__init__(cells)
+        self.parts: dict[frozenset[str], dict[Cell, object]] = {}
+
+
+def part_read(world: World, cells: Cells, reads: frozenset[str]) -> Part:
     """The cells of some features that differ from their defaults: what a call depends on.
 
     Raises Touched where one of them is not known yet: the user's code never sees an unknown.
@@ -64,7 +72,7 @@ def part_read(cells: Cells, reads: frozenset[str]) -> Part:
     if isinstance(cells, FixedCells):
         found = cells.parts.get(reads)
     if found is None:
-        found = _part_read(cells, reads)
+        found = _part_read(world, cells, reads)
         if isinstance(cells, FixedCells):
             cells.parts[reads] = found
     if isinstance(found, Unknown):
@@ -72,10 +80,27 @@ def part_read(cells: Cells, reads: frozenset[str]) -> Part:
     return found
 
 
-def _part_read(cells: Cells, reads: frozenset[str]) -> Part | Unknown:
-    items = [item for item in cells.items() if item[0][0] in reads]
-    unknown = next((u for _, value in items for u in unknowns_in(value)), None)
-    return frozenset(items) if unknown is None else unknown
+def _part_read(world: World, cells: Cells, reads: frozenset[str]) -> Part | Unknown:
+    own = _cells_of(cells, reads)
+    for value in own.values():
+        for unknown in unknowns_in(value):
+            return unknown
+    defaults = world.defaults
+    return frozenset([item for item in own.items() if item[1] != defaults[item[0][0]]])
+
+
+def _cells_of(cells: Cells, reads: frozenset[str]) -> dict[Cell, object]:
+    """The cells of some features; those of a base are looked for once."""
+    base = cells.maps[-1] if isinstance(cells, ChainMap) else None
+    if not isinstance(cells, ChainMap) or not isinstance(base, BaseCells):
+        return {cell: value for cell, value in cells.items() if cell[0] in reads}
+    below = base.parts.get(reads)
+    if below is None:
+        below = base.parts[reads] = {c: value for c, value in base.items() if c[0] in reads}
+    own = dict(below)
+    for layer in reversed(cells.maps[:-1]):
+        own.update((cell, value) for cell, value in layer.items() if cell[0] in reads)
+    return own
 
 
 def arguments_for(values: Row, types: tuple[Type, ...]) -> Row:

@@ -58,7 +58,7 @@ class ExternalFunction:
         argument, or a cell that is read, is not known yet.
         """
         own = arguments_for(arguments, self.types)
-        key: object = own if self.reads is None else (own, part_read(cells, self.reads))
+        key: object = own if self.reads is None else (own, part_read(self.world, cells, self.reads))
         try:
             return self._remembered.known[key]
         except KeyError:
@@ -81,7 +81,7 @@ class ExternalFunction:
         if not self.python.mark.is_vectorized:
             return [self.value(cells, row, location) for row in rows]
         own = [arguments_for(row, self.types) for row in rows]
-        part = None if self.reads is None else part_read(cells, self.reads)
+        part = None if self.reads is None else part_read(self.world, cells, self.reads)
         keys = [(row, part) if self.reads is not None else row for row in own]
         known = self._remembered.known
         missing = {key: row for key, row in zip(keys, own, strict=True) if key not in known}

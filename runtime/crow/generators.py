@@ -64,7 +64,7 @@ class ExternalGenerator:
         own = arguments_for(inputs, tuple(p.type for p in self.inputs))
         first: tuple[StateView, ...] = ()
         if self.reads is not None:
-            part_read(state.cells, self.reads)
+            part_read(self.world, state.cells, self.reads)
             first = (StateView(self.world, state.cells, self.reads, self.name),)
         call = Call(self.name, own, self.declared.location)
         named = {"rng": rng} if self.takes_random else {}

@@ -39,7 +39,7 @@ class ExternalEffect:
         ArithmeticError for an argument out of range.
         """
         own = arguments_for(arguments, self.types)
-        key = (own, part_read(cells, self.reads))
+        key = (own, part_read(self.world, cells, self.reads))
         if key in self._remembered.known:
             known: Mapping[Cell, Value] = self._remembered.known[key]
             return known

@@ -19,7 +19,7 @@ _WIDTHS: dict[Type, int] = {INT32: 32, INT64: 64}
 class Opaque:
     """A Python value that cannot be hashed, or is None: inside, it stands for that one object.
 
-    It equals the value itself, and nothing else that looks like it.
+    It equals the value itself, and nothing else that looks like it; never None, which is no value.
     """
 
     __slots__ = ("value",)
@@ -29,7 +29,9 @@ class Opaque:
         self.value = value
 
     def __eq__(self, other: object) -> bool:
-        return self.value is (other.value if isinstance(other, Opaque) else other)
+        if isinstance(other, Opaque):
+            return self.value is other.value
+        return other is not None and self.value is other
 
     def __hash__(self) -> int:
         return id(self.value)

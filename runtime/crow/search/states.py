@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
-from crow.calls import FixedCells
+from crow.calls import BaseCells, FixedCells
 from crow.problem import Cell, State, World
 from crow.values import Value, default_value
 
@@ -39,7 +39,7 @@ class Store:
 
     def __init__(self, world: World, initial: State) -> None:
         self.world = world
-        self.base: dict[Cell, Value] = dict(initial.cells)
+        self.base: dict[Cell, Value] = BaseCells(initial.cells)
         self.defaults = {name: default_value(f.type) for name, f in world.features.items()}
         self.initial = Snapshot(self, {})
         self.known: dict[frozenset[tuple[Cell, Value]], Snapshot] = {frozenset(): self.initial}

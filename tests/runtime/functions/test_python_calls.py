@@ -7,7 +7,7 @@ import pytest
 from small_program import problem
 
 import crow
-from crow.calls import part_read
+from crow.calls import BaseCells, FixedCells, part_read
 from crow.evaluate import EvaluationError, evaluate
 from crow.program import INT32, Apply, Constant
 from crow.unknowns import Touched, Unknown
@@ -103,6 +103,8 @@ def test_opaque_values_are_passed_on_as_they_are() -> None:
     assert two != Opaque(np.zeros(3))
     assert isinstance(three, Opaque)  # None would be no value
     assert {two: 1}[Opaque(array)] == 1
+    assert three == Opaque(None)
+    assert three != None  # noqa: E711 - what is not set is None
 
 
 def test_what_was_asked_is_not_asked_again() -> None:
@@ -256,4 +258,20 @@ def test_python_never_sees_an_unknown() -> None:
 def test_an_unknown_in_a_cell_that_is_not_read_does_no_harm() -> None:
     unknown = Unknown("p", problem(None).world.features["last"].type)
     assert call("free", lambda state, b: True, "a", cells={("last", ()): unknown}) is True
-    assert part_read({("last", ()): unknown}, frozenset(("at",))) == frozenset()
+    world = problem(None).world
+    assert part_read(world, {("last", ()): unknown}, frozenset(("at",))) == frozenset()
+
+
+def test_the_part_that_is_read_is_the_same_however_a_state_is_held() -> None:
+    """The replayer, whose cells are one mapping, does not call again what the search has called."""
+    world = problem(None).world
+    reads = frozenset(("held", "count", "at"))
+    base = {("held", ("b",)): True, ("count", ()): 2, ("on", ("a",)): "b"}
+    delta = {("held", ("b",)): False, ("held", ("a",)): True, ("on", ("a",)): "table"}
+    layered = FixedCells(delta, BaseCells(base))
+    plain = {("held", ("a",)): True, ("count", ()): 2, ("on", ("b",)): "a"}
+    expected = frozenset({(("held", ("a",)), True), (("count", ()), 2)})
+    for cells in (layered, layered, FixedCells(delta, base), plain):
+        assert part_read(world, cells, reads) == expected
+    below = FixedCells({}, layered.maps[-1])
+    assert part_read(world, below, reads) == {(("held", ("b",)), True), (("count", ()), 2)}
