@@ -1,5 +1,6 @@
 """CDL texts to programs and problems, as the driver makes them but without files."""
 
+from dataclasses import replace
 from functools import cache
 from textwrap import dedent
 
@@ -19,6 +20,7 @@ from cdlc.ir.hoare import Model
 from cdlc.source import SourceFile
 from crow.problem import Problem, State, World
 from crow.program import Behavior, Expression, ProblemStatement, Program
+from crow.registration import registered, with_effects
 
 
 @cache
@@ -66,6 +68,14 @@ def statement_of(domain: str, problem: str) -> tuple[Program, ProblemStatement]:
 def problem_of(domain: str, problem: str) -> Problem:
     """The runtime's problem of two texts."""
     return Problem.of(*statement_of(domain, problem))
+
+
+def with_python(problem: Problem, python: object) -> Problem:
+    """A problem whose program has functions in Python."""
+    program = problem.world.program
+    given = registered(program, python)
+    world = replace(problem.world, program=with_effects(program, given), registered=given)
+    return problem.changed(world=world)
 
 
 def _objects(lines: str) -> str:

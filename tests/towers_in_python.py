@@ -2,11 +2,10 @@
 
 from typing import Any
 
-from programs import problem_of
+from programs import problem_of, with_python
 
 import crow
 from crow.problem import Problem
-from crow.registration import registered
 
 DOMAIN = """
 typedef block
@@ -120,11 +119,3 @@ def towers(functions: str, init: str, goal: str, python: Any = None) -> Problem:
     """A problem of blocks by one of the texts of functions."""
     problem = problem_of(DOMAIN.format(functions=functions), PROBLEM.format(init=init, goal=goal))
     return with_python(problem, python)
-
-
-def with_python(problem: Problem, python: Any) -> Problem:
-    """A problem whose program has functions in Python."""
-    from dataclasses import replace
-
-    given = registered(problem.world.program, python)
-    return problem.changed(world=replace(problem.world, registered=given))

@@ -9,6 +9,7 @@ from cdlc.frontend.check_expressions import check_condition, check_number
 from cdlc.frontend.parser import parse
 from cdlc.frontend.scope import Context, Scope
 from cdlc.source import SourceFile
+from crow.outside import pure
 from crow.problem import World
 from crow.program import (
     BOOL,
@@ -150,6 +151,7 @@ def _read(
 
 def typed_value(name: str, value: object, world: World) -> tuple[Value, Type]:
     """A value of no declared type, with the type it has by its looks."""
+    value = pure(value)
     match value:
         case str() if value in world.objects:
             type_: Type = world.objects[value]

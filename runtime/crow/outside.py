@@ -22,7 +22,7 @@ def taken_in(value: object, type_: Type, world: World) -> Value:
             raise wrong_value(repr(value), type_)
         return tuple(map(hashable, value))
     try:
-        return read_json(_pure(value), type_, world)
+        return read_json(pure(value), type_, world)
     except WrongValueError as error:
         shape = getattr(value, "shape", None)
         if shape:
@@ -31,10 +31,10 @@ def taken_in(value: object, type_: Type, world: World) -> Value:
         raise
 
 
-def _pure(value: object) -> object:
+def pure(value: object) -> object:
     """Numbers and lists of Python for those of numpy; told by what they can do, not imported."""
     if isinstance(value, list | tuple):
-        return tuple(map(_pure, value))
+        return tuple(map(pure, value))
     if hasattr(value, "dtype") and hasattr(value, "tolist"):
         return value.tolist()
     return value

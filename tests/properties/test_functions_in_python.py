@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from oracle import ENGINES, OverTheCapError, answer, compare
-from programs import problem_of
+from programs import problem_of, with_python
 from small_programs import small_program
 from towers_in_python import IN_CDL, OUTSIDE, PYTHON, READING_ALL, towers
 
@@ -15,7 +15,6 @@ import crow
 from crow.planning import NotPlannable
 from crow.problem import Problem
 from crow.program import Achieve, Annotation, Apply, Function, Node, Read
-from crow.registration import registered
 from crow.replay import replay_to_goal
 
 CASES = {
@@ -98,8 +97,8 @@ def through_functions(problem: Problem, *, says_which: bool) -> Problem:
         controllers=tuple(map(_read_through, program.controllers)),
     )
     python = {f"read_{f.name}": _reader(f.name) for f in program.features}
-    world = replace(problem.world, program=changed, registered=registered(changed, python))
-    return problem.changed(world=world)
+    through = problem.changed(world=replace(problem.world, program=changed))
+    return with_python(through, python)
 
 
 def _reader(feature: str) -> Callable[..., Any]:

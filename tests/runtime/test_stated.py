@@ -5,6 +5,7 @@ import pickle
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from support import BLOCKS
 
@@ -104,7 +105,7 @@ def test_values_functions_and_what_to_minimize(numbers: crow.Domain) -> None:
     init = {"at": "hall", "fuel(hall)": 3, "pose": (1, 2.5)}
     problem = crow.Problem(
         numbers, {"cellar": "room", "cook": "kitchen"}, init, "lit(cook) and fuel(hall) >= least",
-        values={"least": 2, "price": 5}, minimize="fuel(hall) * price", name="light",
+        values={"least": np.int64(2), "price": 5}, minimize="fuel(hall) * price", name="light",
     )  # fmt: skip
     assert problem.initial.cells["pose", ()] == (1.0, 2.5)
     assert problem.name == "light"

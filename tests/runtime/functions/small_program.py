@@ -2,10 +2,9 @@
 
 from typing import Any
 
-from programs import problem_of
+from programs import problem_of, with_python
 
 from crow.problem import Problem
-from crow.registration import registered
 
 DOMAIN = """
 typedef Thing
@@ -75,9 +74,4 @@ goal: {goal}
 
 def problem(python: Any, goal: str = "held(a)") -> Problem:
     """A problem of the program, with Python for it."""
-    from dataclasses import replace
-
-    made = problem_of(DOMAIN, PROBLEM.format(goal=goal))
-    given = registered(made.world.program, python)
-    world = made.world.of(made.world.program, (), given)
-    return made.changed(world=replace(world, objects=made.world.objects))
+    return with_python(problem_of(DOMAIN, PROBLEM.format(goal=goal)), python)

@@ -4,7 +4,7 @@ from math import isinf
 from typing import Any
 
 import pytest
-from programs import problem_of
+from programs import problem_of, with_python
 
 import crow
 from crow.planning import ENGINES
@@ -59,11 +59,7 @@ PYTHON: dict[str, Any] = {
 
 
 def problem(goal: str) -> Problem:
-    from dataclasses import replace
-
-    made = problem_of(DOMAIN, PROBLEM.format(goal=goal))
-    given = registered(made.world.program, PYTHON)
-    return made.changed(world=replace(made.world, registered=given))
+    return with_python(problem_of(DOMAIN, PROBLEM.format(goal=goal)), PYTHON)
 
 
 @pytest.mark.parametrize(
@@ -152,14 +148,11 @@ behavior step():
 
 
 def test_a_run_whose_one_state_changes_in_place_asks_again() -> None:
-    from dataclasses import replace
-
     calls = "".join("    step()\n" for _ in range(4))
     made = problem_of(
         IMPERATIVE.replace("    do step_all()\n", calls), 'problem "p"\ngoal: done()\n'
     )
-    given = registered(made.world.program, {"is_even": lambda state: state.n() % 2 == 0})
-    made = made.changed(world=replace(made.world, registered=given))
+    made = with_python(made, {"is_even": lambda state: state.n() % 2 == 0})
     assert made.is_imperative
     for engine in ENGINES:
         plan = crow.plan(made, engine)

@@ -1,5 +1,6 @@
 """Effects of controllers that Python computes, on every engine, and what carries them out."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from small_program import problem
 import crow
 from crow.planning import ENGINES
 from crow.problem import Problem
+from crow.registration import registered
 from crow.replay import replay_to_goal
 from crow.unknowns import Touched, Unknown
 
@@ -190,13 +192,9 @@ class World:
 def test_a_robot_carries_controllers_out() -> None:
     made = simulated("held(a)")
     world = World(made)
-    from dataclasses import replace
-
-    from crow.registration import registered
-
-    given = registered(made.world.program, world)
-    robots = replace(made.world.registered, controllers=given.controllers)
-    runs = made.changed(world=replace(made.world, registered=robots))
+    controllers = registered(made.world.program, world).controllers
+    both = replace(made.world.registered, controllers=controllers)
+    runs = made.changed(world=replace(made.world, registered=both))
     record = crow.execute(runs, crow.Robot(runs, world.observe))
     assert record.status == "done", record.text()
     assert world.done == [("carry", "a", (0.0, 1.0))] * 2
