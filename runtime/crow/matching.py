@@ -26,8 +26,9 @@ from crow.program import (
     Variable,
 )
 from crow.program.expressions import ComparisonOperator
+from crow.program.reads import features_read
 from crow.program.types import BOOL, is_number, underlying
-from crow.program.walk import statements_within, subexpressions
+from crow.program.walk import statements_within
 from crow.values import Value, ValueRangeError, converted
 
 Evaluate = Callable[[Expression], Value]
@@ -166,7 +167,7 @@ class Matching:
 
     def writers(self, wanted: Expression) -> tuple[Behavior, ...]:
         """The behaviors whose effects write a feature that a comparison reads."""
-        read = {p.feature for p in subexpressions(wanted) if isinstance(p, Read)}
+        read = features_read(self.world.program, (wanted,))
         return tuple(b for b in self.world.program.behaviors if self.written[b.name] & read)
 
     @cached_property

@@ -6,6 +6,7 @@ from difflib import get_close_matches
 
 from crow.domain import Domain
 from crow.evaluate import EvaluationError, check_bounds, check_unset
+from crow.functions import NOTHING, Registered
 from crow.problem import Cell, State, World
 from crow.program import Expression, Feature, ObjectType, Parameter, Program
 from crow.reading import WrongValueError, read_json
@@ -21,7 +22,9 @@ class ProblemError(ValueError):
     """A problem that does not fit its domain; the message says what, and often the cure."""
 
 
-def world_of(program: Program, objects: Mapping[str, str]) -> World:
+def world_of(
+    program: Program, objects: Mapping[str, str], registered: Registered = NOTHING
+) -> World:
     """The world of a program with objects by their types. Raises ProblemError."""
     types = {t.name: t for t in program.types}
     known = {constant.name for constant in program.constants}
@@ -34,7 +37,7 @@ def world_of(program: Program, objects: Mapping[str, str]) -> World:
         if name in known:
             raise ProblemError(f"object `{name}` is a constant of the domain already")
         stated.append(Parameter(name, ObjectType(type_)))
-    return World.of(program, tuple(stated))
+    return World.of(program, tuple(stated), registered)
 
 
 def state_of(world: World, init: Mapping[CellName, Value]) -> State:

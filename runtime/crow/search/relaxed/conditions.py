@@ -6,7 +6,6 @@ from itertools import product
 from crow.evaluate import EvaluationError
 from crow.program import (
     And,
-    Apply,
     Assign,
     Compare,
     Constant,
@@ -19,8 +18,9 @@ from crow.program import (
     Read,
     Variable,
 )
+from crow.program.reads import features_read
 from crow.program.types import BOOL, underlying
-from crow.program.walk import expressions_of, free_variables, statements_within, subexpressions
+from crow.program.walk import free_variables, statements_within
 from crow.search.compile import Programs
 from crow.search.expressions import Compiled
 from crow.search.relaxed.facts import CellFact, Made, Needs, OpaqueFact, Operator, Task
@@ -186,21 +186,8 @@ class Conditions:
         if found is None:
             free = tuple(sorted(free_variables(node)))
             slots = {name: index for index, name in enumerate(free)}
-            reads = frozenset(self._reads(node, set()))
+            reads = features_read(self.world.program, (node,))
             found = self._compiled[node] = (
                 self.compiler.expression(node, slots), free, reads,
             )  # fmt: skip
-        return found
-
-    def _reads(self, node: Expression, seen: set[str]) -> set[str]:
-        found: set[str] = set()
-        for part in subexpressions(node):
-            if isinstance(part, Read):
-                found.add(part.feature)
-            elif isinstance(part, Apply) and part.function not in seen:
-                seen.add(part.function)
-                body = self.world.functions[part.function].body or ()
-                for statement in statements_within(body):
-                    for expression in expressions_of(statement):
-                        found |= self._reads(expression, seen)
         return found
