@@ -158,7 +158,7 @@ def check_unset(world: World, cells: Mapping[Cell, object]) -> None:
 
 # -------------------------------------------------------------------------------------- expressions
 
-_COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {
+COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {
     "==": operator.eq,
     "!=": operator.ne,
     "<": operator.lt,
@@ -166,7 +166,7 @@ _COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {
     ">": operator.gt,
     ">=": operator.ge,
 }
-_CHOICES: Mapping[str, Callable[[list[Value]], Value]] = {"min": min, "max": max}
+CHOICES: Mapping[str, Callable[[list[Value]], Value]] = {"min": min, "max": max}
 _AUGMENTED: Mapping[str, ArithmeticOperator] = {"+=": "+", "-=": "-", "*=": "*", "/=": "/"}
 
 
@@ -212,7 +212,7 @@ class _Evaluator:
             case Xor(left=left, right=right):
                 return self.value(left, variables) != self.value(right, variables)
             case Compare(operator=op, left=left, right=right):
-                return _COMPARISONS[op](self.value(left, variables), self.value(right, variables))
+                return COMPARISONS[op](self.value(left, variables), self.value(right, variables))
             case Conditional(condition=condition, then=then, otherwise=otherwise, type=type_):
                 chosen = then if self.value(condition, variables) else otherwise
                 value = self.value(chosen, variables)
@@ -228,7 +228,7 @@ class _Evaluator:
                 return _located(node.location, arithmetic, op, *sides, type_)
             case Builtin(function=function, arguments=arguments, type=type_):
                 values = [self.value(a, variables) for a in arguments]
-                value = abs(values[0]) if function == "abs" else _CHOICES[function](values)
+                value = abs(values[0]) if function == "abs" else CHOICES[function](values)
                 return _located(node.location, converted, value, type_)
             case Apply():
                 return self._apply(node, variables)

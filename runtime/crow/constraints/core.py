@@ -1,7 +1,7 @@
 """Which constraints clash: those that a conflict came from, without those it does not need."""
 
 from collections.abc import Iterable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from crow.constraints.constraint import Conflict, Constraint
 from crow.constraints.propagation import Clash, Propagation
@@ -9,7 +9,12 @@ from crow.constraints.store import Requirement, Store
 from crow.unknowns import Unknown
 from crow.values import Value
 
+if TYPE_CHECKING:
+    from crow.constraints.solver import Solutions
+
 _MOST_TRIES: Final = 40
+_MOST_CONSTRAINTS: Final = 60
+_MOST_NODES: Final = 10_000
 
 
 def conflict_of(clash: Clash) -> Conflict:
@@ -66,3 +71,22 @@ def behind(clash: Clash) -> tuple[tuple[Constraint, ...], dict[Unknown, Value]]:
                     pending.append(origin)
     ordered = sorted(found, key=lambda r: r.number)
     return tuple({r.source: None for r in ordered}), chosen
+
+
+def unsolvable_core(solutions: "Solutions") -> Conflict:
+    """Constraints without solution, each of which is needed for that as far as it was found out."""
+    from crow.constraints.solver import solved_without
+
+    kept = tuple(solutions.store.given)
+    if not solutions.is_proved:
+        told = "; ".join(sorted(map(str, solutions.cuts)))
+        return Conflict(kept, f"no solution was found: {told}")
+    left = _MOST_NODES if len(kept) <= _MOST_CONSTRAINTS else 0
+    nodes = 2 * solutions.nodes + 10
+    for constraint in kept:
+        if left < nodes:
+            break
+        left -= nodes
+        if solved_without(solutions, constraint, kept, nodes) is False:
+            kept = tuple(c for c in kept if c is not constraint)
+    return Conflict(kept, "there is no solution")

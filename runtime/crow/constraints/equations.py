@@ -37,7 +37,7 @@ def solved(
 
 
 def repaired(candidate: Value, per_element: Callable[[int, Value], bool]) -> Value:
-    """A vector with each element moved to a neighbour for which its part of the equation is true."""
+    """A vector, each element moved to a neighbour for which its part of the equation is true."""
     found = list(candidate)
     for index, element in enumerate(candidate):
         tried = _neighbours(element) if isinstance(element, float) else iter((element,))
@@ -170,10 +170,10 @@ def _is_rounded(type_: Type) -> bool:
 
 def _linear_solution(left: Ground, right: Ground) -> tuple[Value, ...] | None:
     """The solution of an equation in which the unknown occurs more than once."""
-    sides = _linear(left), _linear(right)
-    if sides[0] is None or sides[1] is None:
+    first, second = _linear(left), _linear(right)
+    if first is None or second is None:
         return None
-    (a, b), (c, d) = sides
+    (a, b), (c, d) = first, second
     if a == c:
         return None if b == d else ()
     found = (d - b) / (a - c)
@@ -196,9 +196,7 @@ def _linear(ground: Ground) -> tuple[Fraction, Fraction] | None:
         return None
     inner = [_linear(operand) for operand in ground.operands]
     known = [pair for pair in inner if pair is not None]
-    if len(known) < len(inner):
-        return None
-    return _combined(ground.operator, known)
+    return _combined(ground.operator, known) if len(known) == len(inner) else None
 
 
 def _combined(

@@ -19,7 +19,7 @@ class Knowledge:
 
     def __init__(self, world: World, python: Python | None = None) -> None:
         self.world = world
-        self.python: Python = world.externals if python is None else python  # type: ignore[attr-defined]
+        self.python: Any = world.externals if python is None else python
         self.body = cache(self._body)
         self._states: dict[int, tuple[Cells, tuple[tuple[Cell, Value], ...]]] = {}
         self._resolved: dict[tuple[int, tuple[Value, ...]], tuple[Cells, Cells]] = {}

@@ -40,7 +40,7 @@ class Layered(Mapping[K, V], Generic[K, V]):
     def _grown(self, changes: Mapping[K, V]) -> int:
         return sum((value is not GONE) - (key in self) for key, value in changes.items())
 
-    def get(self, key: K, default: Any = None) -> Any:  # type: ignore[override]
+    def get(self, key: K, default: Any = None) -> Any:
         """The value of a key, or the default."""
         found = self._above.get(key, _ABSENT)
         if found is _ABSENT:

@@ -1,4 +1,4 @@
-"""What follows from constraints and values: unit rules, functions computed, equations (App. B.1)."""
+"""What follows from constraints and values: unit rules, functions, equations (App. B.1)."""
 
 import math
 from collections import deque
@@ -24,7 +24,7 @@ from crow.constraints.terms import (
     unknowns_of,
 )
 from crow.evaluate import EvaluationError
-from crow.program.types import BOOL, ObjectType, is_integer, is_number
+from crow.program.types import BOOL, ObjectType, is_integer
 from crow.unknowns import Unknown
 from crow.values import Value, ValueRangeError, converted
 
@@ -68,6 +68,7 @@ class Propagation:
         self.ready = Draft(store.ready)
         self.occurrences = Draft(store.occurrences)
         self.bounds = Draft(store.bounds)
+        self.given = Draft(store.given)
         self.count = store.count
         self.reducer = Reducer(store.knowledge, self.values)
         self._queue: deque[Requirement] = deque()
@@ -82,6 +83,7 @@ class Propagation:
         except RecursionError:
             message = "the computation is nested too deeply"
             ground = Failed(EvaluationError(message, constraint.place))
+        self.given[constraint] = None
         unknown = constraint.defined
         if unknown is not None:
             stored = self.reducer.made("store", (ground,), unknown.type, constraint.place)
@@ -98,6 +100,24 @@ class Propagation:
     ) -> None:
         """Require a term by choice, on behalf of a constraint. Raises Clash."""
         self._demand(self.reducer.refreshed(ground), is_wanted, source, parents)
+
+    def decide(
+        self,
+        requirement: Requirement,
+        ground: Ground,
+        side: tuple[Ground, bool],
+        marker: Unknown,
+    ) -> None:
+        """Require an atom of a requirement, or its opposite, and what is left of it. Raises Clash.
+
+        `ground` is what the requirement is by now, `marker` stands for the choice.
+        """
+        self._settle(requirement)
+        atom, is_wanted = side
+        rest = self.reducer.with_atom(ground, atom, is_wanted)
+        why = (*self._why(requirement), marker)
+        self._demand(atom, is_wanted, requirement.source, (marker,))
+        self._demand(self.reducer.refreshed(rest), requirement.is_wanted, requirement.source, why)
 
     def finished(self) -> Store:
         """The store once nothing more follows. Raises Clash."""
@@ -117,6 +137,7 @@ class Propagation:
             ready=self.ready.made(),
             occurrences=self.occurrences.made(),
             bounds=self.bounds.made(),
+            given=self.given.made(),
             count=self.count,
         )
 

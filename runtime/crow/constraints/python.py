@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from crow.problem import Cell
+from crow.problem import Cell, State
 from crow.program import Location
 from crow.values import Value
 
@@ -17,49 +17,42 @@ Row = tuple[Value, ...]
 class PythonFunction(Protocol):
     """An external function; `reads` are the features it reads, None if it reads no state."""
 
-    @property
-    def reads(self) -> frozenset[str] | None: ...  # noqa: D102
-
-    @property
-    def is_vectorized(self) -> bool:
-        """Whether `column` may be called."""
+    reads: frozenset[str] | None
+    is_vectorized: bool
 
     def value(self, cells: Cells, arguments: Row, location: Location | None = None) -> Value:
         """The value for some arguments, of the type of the function."""
 
     def column(self, cells: Cells, columns: Sequence[Any], location: Location | None = None) -> Any:
-        """The values, as an array, for arguments given as arrays of as many rows."""
+        """The values of a vectorized function, as an array, for arrays of arguments."""
 
 
 class PythonGenerator(Protocol):
-    """A generator of values (App. B.1)."""
+    """A generator of values (App. B.1).
 
-    @property
-    def reads(self) -> frozenset[str] | None: ...  # noqa: D102
+    `is_complete`: it ends, and yields every solution. `limit`: the most values asked of one call.
+    `is_batch`: it yields many candidates at once.
+    """
 
-    @property
-    def is_complete(self) -> bool:
-        """Whether it ends, and yields every solution."""
+    reads: frozenset[str] | None
+    is_complete: bool
+    is_batch: bool
+    limit: int | None
 
-    @property
-    def is_batch(self) -> bool:
-        """Whether it yields tuples of arrays with a row for each candidate."""
-
-    @property
-    def limit(self) -> int | None:
-        """The most values asked of one call."""
-
-    def draw(
-        self, cells: Cells, inputs: Row, random: "Random", location: Location | None = None
-    ) -> Iterator[tuple[Any, ...]]:
+    def draw(self, state: State, inputs: Row, rng: "Random | None" = None) -> Iterator[Row]:
         """Tuples of outputs, in the order in which the program declares them."""
+
+    def arrays(
+        self, state: State, inputs: Row, rng: "Random | None" = None
+    ) -> Iterator[tuple[Any, ...]]:
+        """For batches: tuples of arrays, a row for each candidate."""
+
+    def row(self, arrays: tuple[Any, ...], index: int) -> Row:
+        """One candidate of a batch as outputs."""
 
 
 class Python(Protocol):
     """All Python of one world, by name."""
 
-    @property
-    def functions(self) -> Mapping[str, PythonFunction]: ...  # noqa: D102
-
-    @property
-    def generators(self) -> Mapping[str, PythonGenerator]: ...  # noqa: D102
+    functions: Mapping[str, PythonFunction]
+    generators: Mapping[str, PythonGenerator]

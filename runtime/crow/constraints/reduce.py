@@ -4,15 +4,14 @@ Connectives keep their order: an operand that may fail is not passed over for a 
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from operator import is_
 from typing import Any, Final, assert_never
 
 from crow.arithmetic import arithmetic, negated
-from crow.budget import Stopped
 from crow.constraints.knowledge import Knowledge
 from crow.constraints.python import Cells
 from crow.constraints.terms import (
     ARITHMETIC,
-    COMPARISONS,
     Failed,
     Ground,
     Open,
@@ -24,13 +23,14 @@ from crow.constraints.terms import (
     opened,
 )
 from crow.evaluate import (
-    _CHOICES,
-    _COMPARISONS,
+    CHOICES,
+    COMPARISONS,
     EvaluationError,
     assignments_of,
     evaluate,
     shown_cell,
 )
+from crow.externals import FunctionError
 from crow.problem import State
 from crow.program import (
     And,
@@ -69,6 +69,8 @@ class Reducer:
         self.knowledge = knowledge
         self.world = knowledge.world
         self.values = values
+        self._atom: Ground = None
+        self._side = False
 
     # ------------------------------------------------------------------------------- expressions
 
@@ -204,9 +206,17 @@ class Reducer:
 
     # ------------------------------------------------------------------------------------- terms
 
+    def with_atom(self, ground: Ground, atom: Ground, is_true: bool) -> Ground:
+        """A ground under what is known by now, and with the truth value of an atom in it."""
+        decided = Reducer(self.knowledge, self.values)
+        decided._atom, decided._side = atom, is_true
+        return decided.refreshed(ground)
+
     def refreshed(self, ground: Ground) -> Ground:
         """A ground under what is known by now."""
         kind = type(ground)
+        if ground is self._atom and kind is Open:
+            return self._side
         if kind is Unknown:
             return self.values.get(ground, ground)
         if kind is not Open:
@@ -225,7 +235,7 @@ class Reducer:
                 ground.location,
             )
         new = tuple([self.refreshed(o) for o in operands])
-        if all([a is b for a, b in zip(new, operands, strict=True)]):
+        if all(map(is_, new, operands)):
             return ground
         if op == "named":
             own = ground.type, ground.location, ground.name, ground.cells
@@ -248,11 +258,11 @@ class Reducer:
         if all(map(is_known, operands)):
             return self._computed(operator, operands, type_, location, name, cells)
         if operator in COMPARISONS:
-            return self._compared(operator, *operands, location=location)
+            return self._compared(operator, operands[0], operands[1], location)
         if operator == "xor":
-            return self._differ(*operands, location=location)
+            return self._differ(operands[0], operands[1], location)
         if operator in ARITHMETIC and any(map(_is_vector, operands)):
-            return self._by_element(operator, *operands, type_=type_, location=location)
+            return self._by_element(operator, operands[0], operands[1], type_, location)
         if operator == "convert" and type(operands[0]) is Unknown:
             return _converted_unknown(operands[0], type_, location)
         return opened(operator, operands, type_, location, name, cells)
@@ -280,7 +290,7 @@ class Reducer:
                 case "store":
                     return stored(operands[0], type_)
                 case "builtin":
-                    value = abs(operands[0]) if name == "abs" else _CHOICES[name](list(operands))
+                    value = abs(operands[0]) if name == "abs" else CHOICES[name](list(operands))
                     return converted(value, type_)
                 case "read":
                     assert cells is not None
@@ -289,9 +299,9 @@ class Reducer:
                     assert cells is not None
                     return self._called(operator, operands, type_, location, name, cells)
                 case _ if operator in COMPARISONS:
-                    return _COMPARISONS[operator](*operands)
+                    return COMPARISONS[operator](operands[0], operands[1])
                 case _:
-                    return arithmetic(operator, *operands, type_)  # type: ignore[arg-type]
+                    return arithmetic(operator, operands[0], operands[1], type_)  # type: ignore[arg-type]
         except ArithmeticError as error:
             return _failed(str(error), location)
 
@@ -330,10 +340,8 @@ class Reducer:
             return evaluate(self.world, State(now), Apply(name, own, function.type), names)
         except Touched as stop:
             return opened("run", (*arguments, stop.unknown), type_, location, name, cells)
-        except (Stopped, MemoryError):
-            raise
-        except Exception as error:  # noqa: BLE001 - it may be guarded, and is raised if it is not
-            return Failed(error)
+        except (EvaluationError, FunctionError) as error:
+            return Failed(error)  # it may be guarded, and is raised if it is not
 
     def _compared(
         self, operator: str, left: Ground, right: Ground, location: Location | None
@@ -342,9 +350,9 @@ class Reducer:
         if meaning(left) is meaning(right):
             return operator in ("==", "<=", ">=")
         if operator in ("==", "!="):
-            pair = _elements(left), _elements(right)
-            if pair[0] is not None and pair[1] is not None:
-                return self._compared_vectors(operator, *pair, location=location)
+            first, second = _elements(left), _elements(right)
+            if first is not None and second is not None:
+                return self._compared_vectors(operator, first, second, location)
             for known, other in ((left, right), (right, left)):
                 if isinstance(known, bool):
                     same = known == (operator == "==")
@@ -435,7 +443,7 @@ def _converted_unknown(unknown: Unknown, type_: Type, location: Location | None)
 
 
 def _is_vector(ground: Ground) -> bool:
-    return type(ground) is Open and meaning(ground) is not None and _elements(ground) is not None
+    return type(ground) is Open and _elements(ground) is not None
 
 
 def _elements(ground: Ground) -> tuple[Ground, ...] | None:

@@ -79,7 +79,8 @@ class Store:
     """Values of unknowns, and the constraints that are open (App. B).
 
     `values` has what was given and what follows from it. `pending` are requirements with how many
-    of their unknowns have no value; `ready` are those for which a generator can be asked.
+    of their unknowns have no value; `ready` are those for which a generator can be asked; `given`
+    are all constraints there ever were.
     """
 
     knowledge: Knowledge
@@ -92,6 +93,7 @@ class Store:
     ready: Layered[Requirement, None] = field(default_factory=Layered)
     occurrences: Layered[Unknown, tuple[Requirement, ...]] = field(default_factory=Layered)
     bounds: Layered[Unknown, Bounds] = field(default_factory=Layered)
+    given: Layered[Constraint, None] = field(default_factory=Layered)
     count: int = 0
 
     @staticmethod

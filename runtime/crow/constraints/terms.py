@@ -44,7 +44,6 @@ class Failed:
     error: Exception
 
 
-COMPARISONS: Final = ("==", "!=", "<", "<=", ">", ">=")
 ARITHMETIC: Final = ("+", "-", "*", "/", "//", "%", "**")
 _MAY_FAIL: Final = frozenset(
     (*ARITHMETIC, "negative", "builtin", "convert", "store", "run", "read")
