@@ -123,7 +123,7 @@ class Compilation:
         with self.reporting():
             problem = to_runtime(self.program, self.statement, self.found, self.registered)
             if problem is not None and self.tabulated is not self.program:
-                problem = tabulated_problem(problem, self.tabulated)
+                problem = tabulated_problem(problem)
         self._stop_at_errors()
         assert problem is not None
         return problem
@@ -131,7 +131,7 @@ class Compilation:
     @contextmanager
     def reporting(self) -> "Iterator[None]":
         """Raise CompileError where Python of the user fails in what is done within."""
-        from crow.externals import FunctionError
+        from crow.calls import FunctionError
 
         try:
             yield

@@ -9,7 +9,8 @@ from typing import Any
 
 from cdlc.backends.errors import FunctionFailed, WrongFunction
 from cdlc.diagnostics import Collector
-from crow.externals import ExternalFunction, FunctionError
+from crow.calls import FunctionError
+from crow.externals import ExternalFunction
 from crow.functions import FunctionsError, Registered
 from crow.problem import Cell, Problem, State
 from crow.program import Apply, Feature, Function, Location, Program, Read
@@ -62,12 +63,13 @@ def tabulated(program: Program, given: Registered) -> Program:
     return replace(changed, features=(*changed.features, *features))
 
 
-def tabulated_problem(problem: Problem, program: Program) -> Problem:
-    """A problem over a tabulated program, the tables in its initial state.
+def tabulated_problem(problem: Problem) -> Problem:
+    """A problem over the tabulated program, the tables in its initial state.
 
     Raises crow.FunctionError for a function that fails or gives no truth value.
     """
     before = problem.world
+    program = tabulated(before.program, before.registered)
     names = frozenset(f.name for f in program.features) & before.externals.functions.keys()
     if not names:
         return problem

@@ -42,10 +42,9 @@ class Text:
 
         Raises crow.FunctionError for one that fails.
         """
-        from cdlc.backends.functions import tabulated, tabulated_problem
+        from cdlc.backends.functions import tabulated_problem
 
-        program = tabulated(self.domain.program, problem.world.registered)
-        return tabulated_problem(problem, program)
+        return tabulated_problem(problem)
 
 
 def _literal(value: Value, type_: Type) -> Expression:

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from crow.budget import Progress
+    from crow.calls import FunctionError
     from crow.domain import Domain, load, load_problem
     from crow.execution import Environment, Execution, execute
-    from crow.externals import FunctionError
     from crow.functions import FunctionsError, controller, effect, function, generator
     from crow.plan import Result, Step
     from crow.planning import NotPlannable
@@ -75,7 +75,7 @@ _PLACES = {
     **dict.fromkeys(
         ("function", "generator", "effect", "controller", "FunctionsError"), "crow.functions"
     ),
-    "FunctionError": "crow.externals",
+    "FunctionError": "crow.calls",
     "ProblemError": "crow.stated",
     "ProgramFormatError": "crow.program.codec",
 }

@@ -39,6 +39,7 @@ from crow.program import (
     Read,
     Return,
     SetLocal,
+    Simulate,
     Statement,
     Variable,
     Vector,
@@ -397,11 +398,20 @@ class _Run:
                 return Break
             case Continue():
                 return Continue
+            case Simulate():
+                self._simulate(node, variables)
             case Return(value=value):
                 return _Returned(self.evaluator.value(value, variables))
             case _:
                 raise AssertionError(f"{type(node).__name__} in an effect")
         return None
+
+    def _simulate(self, node: Simulate, variables: Environment) -> None:
+        effect = self.world.externals.effects[node.controller]
+        arguments = tuple([self.evaluator.value(a, variables) for a in node.arguments])
+        before = ChainMap(self.written, _below(self.cells))
+        location = node.location
+        self.written.update(_located(location, effect.changes, before, arguments, location))
 
     def _assign(self, node: Assign, variables: Environment) -> None:
         feature = self.world.features[node.feature]

@@ -11,7 +11,6 @@ from crow.evaluate import EvaluationError
 from crow.problem import World
 from crow.program import (
     Apply,
-    Assign,
     Behavior,
     Compare,
     Constant,
@@ -25,8 +24,8 @@ from crow.program import (
     Type,
     Variable,
 )
+from crow.program.dependencies import features_read, features_written
 from crow.program.expressions import ComparisonOperator
-from crow.program.reads import features_read
 from crow.program.types import BOOL, is_number, underlying
 from crow.program.walk import statements_within
 from crow.values import Value, ValueRangeError, converted
@@ -179,9 +178,7 @@ class Matching:
         calls = [s.controller for s in statements_within(behavior.body) if isinstance(s, Do)]
         effects = [behavior.effect, *(self.world.controllers[name].effect for name in calls)]
         for effect in effects:
-            for statement in statements_within(effect or ()):
-                if isinstance(statement, Assign):
-                    yield statement.feature
+            yield from features_written(self.world.program, effect or ())
 
     def applications(
         self, wanted: Expression, evaluate: Evaluate

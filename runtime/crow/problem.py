@@ -22,6 +22,7 @@ from crow.program import (
     Type,
 )
 from crow.program.definitions import Behavior
+from crow.registration import with_effects
 from crow.unknowns import is_same
 from crow.values import Value, default_value
 
@@ -54,7 +55,7 @@ class World:
         declared = [(c.name, c.type) for c in program.constants]
         declared += [(o.name, o.type) for o in objects]
         own = {n: t for n, t in declared if isinstance(t, ObjectType)}
-        return World(program, own, registered)
+        return World(with_effects(program, registered), own, registered)
 
     def __getstate__(self) -> dict[str, object]:
         # What was found out about a world is not sent along, and Python functions remember much.

@@ -6,9 +6,11 @@ import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from crow.functions import FunctionsError
+
+_HERE: Final = Path(__file__).parent
 
 
 def run_file(path: str) -> Mapping[str, Any]:
@@ -38,18 +40,16 @@ def _told(path: str, error: Exception) -> str:
 
 
 def user_traceback(error: BaseException, first: str | None = None) -> str:
-    """The traceback of an exception without the frames of ours that led to the user's code.
-
-    Those begin with the frame after the one that caught it, or the first in the file `first`.
-    """
-    frames = error.__traceback__
-    if frames is not None and first is None:
-        frames = frames.tb_next
-    while frames is not None and first is not None:
-        if Path(frames.tb_frame.f_code.co_filename) == Path(first).absolute():
-            break
-        frames = frames.tb_next
-    return "".join(traceback.format_exception(type(error), error, frames))
+    """The traceback of an exception, of the user's own code alone; from the file `first` on."""
+    told = traceback.TracebackException.from_exception(error)
+    frames = list(told.stack)
+    if first is not None:
+        start = str(Path(first).absolute())
+        begun = [i for i, frame in enumerate(frames) if frame.filename == start]
+        frames = frames[begun[0] :] if begun else []
+    own = [frame for frame in frames if Path(frame.filename).parent != _HERE]
+    told.stack = traceback.StackSummary.from_list(own)
+    return "".join(told.format())
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any, Final, assert_never, get_args
 
@@ -17,8 +18,8 @@ from crow.functions import (
     Registration,
     collected,
 )
-from crow.program import Controller, Function, Generator, Program
-from crow.program.reads import declared_reads, generator_reads
+from crow.program import Controller, Function, Generator, Program, Simulate, Variable
+from crow.program.dependencies import declared_reads, generator_reads
 
 _Declared = Function | Generator | Controller
 
@@ -42,6 +43,22 @@ def registered(program: Program, given: object) -> Registered:
         )
         raise FunctionsError(told, tuple(binding.mistakes))
     return Registered(**{f"{kind}s": found for kind, found in binding.found.items()})
+
+
+def with_effects(program: Program, given: Registered) -> Program:
+    """The program whose controllers have the effects that Python computes for them."""
+    if not given.effects:
+        return program
+    controllers = [
+        replace(c, effect=(_simulated(c),)) if c.name in given.effects else c
+        for c in program.controllers
+    ]
+    return replace(program, controllers=tuple(controllers))
+
+
+def _simulated(controller: Controller) -> Simulate:
+    arguments = tuple(Variable(p.name, p.type) for p in controller.parameters)
+    return Simulate(controller.name, arguments, location=controller.location)
 
 
 class _Binding:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
-from crow.externals import FixedCells
+from crow.calls import FixedCells
 from crow.problem import Cell, State, World
 from crow.values import Value, default_value
 

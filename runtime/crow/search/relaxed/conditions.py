@@ -6,7 +6,6 @@ from itertools import product
 from crow.evaluate import EvaluationError
 from crow.program import (
     And,
-    Assign,
     Compare,
     Constant,
     Expression,
@@ -18,9 +17,9 @@ from crow.program import (
     Read,
     Variable,
 )
-from crow.program.reads import features_read
+from crow.program.dependencies import features_read, features_written
 from crow.program.types import BOOL, underlying
-from crow.program.walk import free_variables, statements_within
+from crow.program.walk import free_variables
 from crow.search.compile import Programs
 from crow.search.expressions import Compiled
 from crow.search.relaxed.facts import CellFact, Made, Needs, OpaqueFact, Operator, Task
@@ -53,12 +52,7 @@ class Conditions:
         """The features that any effect writes."""
         program = self.world.program
         effects = [o.effect for o in program.behaviors] + [o.effect for o in program.controllers]
-        return {
-            statement.feature
-            for effect in effects
-            for statement in statements_within(effect or ())
-            if isinstance(statement, Assign)
-        }
+        return {name for effect in effects for name in features_written(program, effect or ())}
 
     def needs(self, condition: Expression, names: Names) -> Needs:
         """The facts that a condition needs; parts with unknown variables are left out."""

@@ -1,9 +1,10 @@
-"""Which features the value of an expression depends on, through every function that it calls."""
+"""Which features expressions read, through every function that they call, and effects write."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from crow.program.definitions import Function, Generator, Program
 from crow.program.expressions import Apply, Expression, Read
+from crow.program.statements import Assign, Simulate, Statement
 from crow.program.walk import expressions_of, statements_within, subexpressions
 
 EVERYTHING = "all"
@@ -51,3 +52,15 @@ def features_read(program: Program, expressions: Iterable[Expression]) -> frozen
                 for statement in statements_within(function.body or ()):
                     pending.extend(expressions_of(statement))
     return frozenset(found)
+
+
+def features_written(program: Program, statements: Iterable[Statement]) -> Iterator[str]:
+    """The features that an effect may write; what a simulator computes may be any."""
+    for statement in statements_within(statements):
+        match statement:
+            case Assign(feature=name):
+                yield name
+            case Simulate():
+                yield from (feature.name for feature in program.features)
+            case _:
+                pass
