@@ -205,6 +205,10 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     _emission(command)
     command.add_argument("--time-limit", type=_positive(float), metavar="S", help="seconds")
     command.add_argument("--max-memory", type=_positive(int), metavar="MB")
+    command.add_argument(
+        "--draw-limit", type=_positive(int), metavar="N",
+        help="the most values drawn from one call of a generator; default: none",
+    )  # fmt: skip
     _format(command)
     command.add_argument(
         "-o", dest="output", type=Path, metavar="FILE", help="write the plan there"

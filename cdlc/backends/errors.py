@@ -178,37 +178,88 @@ class UnsetInPddl(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class FunctionFailed(Diagnostic):
-    """An external function whose Python, given with `--functions`, has no truth value.
+    """Python, given with `--functions`, that raised, or gave what is no value of its type.
 
         def near(a: place, b: place) -> bool      # def near(a, b): return distance[a, b] < 3
 
-    It is called once for each tuple of objects, with their names, and has to return True or False.
+    It gets objects as their names, vectors as tuples and numbers as they are, and has to return a
+    value of the type that is declared: of `bool` True or False, of a vector a tuple, list or numpy
+    array of its length, of a number one that is finite. What it raises is shown as Python shows it.
     """
 
     call: str
     reason: str
+    traceback: str = ""
 
     def message(self) -> str:
         return f"`{self.call}` {self.reason}"
 
     def label(self) -> str:
+        return "its Python failed"
+
+    def notes(self) -> tuple[str, ...]:
+        return (self.traceback.rstrip(),) if self.traceback else ()
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class WrongFunction(Diagnostic):
+    """Python, given with `--functions`, that does not fit the program.
+
+        def near(a: place, b: place) -> bool      # def near(a): ...
+
+    Functions are called by their names with as many values as the program declares, after the state
+    where `[[reads=…]]` says that it is read. What is decorated (`@crow.function`,
+    `@crow.generator`, `@crow.effect`, `@crow.controller`) has to be declared in the program.
+    """
+
+    wrong: str
+    cure: str | None
+
+    def message(self) -> str:
+        return self.wrong
+
+    def label(self) -> str:
         return "declared here"
+
+    def help(self) -> tuple[Help, ...]:
+        return () if self.cure is None else (Help(self.cure),)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotPlannable(Diagnostic):
-    """Something that needs a value chosen or computed, where the planner chooses objects.
+    """A value to choose, planned with an engine that chooses among objects alone.
 
-        bind t: Trajectory where: clear_of(o, t)
+        bind p: Pose where: on_table(p)
 
-    Numbers may be features, and parameters that a goal gives a value. A `bind` of a value, a value
-    parameter that the goal does not mention, and functions in Python need a solver of constraints.
+    Such a `bind`, and a value parameter that the goal does not mention, are for the engines `auto`,
+    `iddfs` and `iw`. They draw values from generators, and solve equations for them.
     """
 
     construct: str
+    engine: str
 
     def message(self) -> str:
-        return f"planning does not cover {self.construct} in this version"
+        return f"the engine `{self.engine}` does not cover {self.construct}"
 
-    def notes(self) -> tuple[str, ...]:
-        return ("the planner chooses among objects; it does not compute or sample values yet",)
+    def help(self) -> tuple[Help, ...]:
+        return (Help("plan with `auto`, `iddfs` or `iw`, which draw values"),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class MissingFunction(Diagnostic):
+    """A call of an external function whose Python was not given.
+
+        def near(a: place, b: place) -> bool      # a `def` without a body
+
+    Planning evaluates it, so its Python has to be there: `--functions FILE.py` on the command line,
+    `functions=` in the library. A function of the same name in that file, or one with
+    `@crow.function("near")`, is called with as many values as the program declares.
+    """
+
+    function: str
+
+    def message(self) -> str:
+        return f"the external function `{self.function}` has no Python, which planning needs"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("give it with `--functions FILE.py`, or write its body in CDL"),)

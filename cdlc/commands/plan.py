@@ -53,7 +53,7 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
     if options.max_memory is not None:
         memory = limited_memory(options.max_memory)
     try:
-        with memory:
+        with memory, compilation.reporting():
             planning, result = _searched(options, compilation)
     except MemoryError:  # before the search, which ends by itself
         return _show_plan(options, OutOfMemory(options.engine, seed=options.seed))
@@ -70,7 +70,7 @@ def _searched(
     from cdlc.progress import Progress
     from crow.planning import Planning
 
-    problem = compilation.plannable
+    problem = compilation.plannable_by(options.engine)
     warn(options, compilation)
     with ExitStack() as at_end:
         is_wanted = options.format == "text"
@@ -81,6 +81,7 @@ def _searched(
             h=options.h,
             seed=options.seed,
             time_limit=options.time_limit,
+            draw_limit=options.draw_limit,
             memory_limit_mb=options.max_memory,
             on_progress=progress.show if progress.is_wanted else None,
             optimal=options.optimal,
@@ -132,13 +133,14 @@ def _plan_with_pddl(options: argparse.Namespace, compilation: driver.Compilation
     task, problem = compilation.planning_task, compilation.problem
     warn(options, compilation)
     try:
-        result = solve_task(
-            task,
-            problem,
-            options.engine,
-            time_limit=options.time_limit,
-            memory_limit_mb=options.max_memory,
-        )
+        with compilation.reporting():
+            result = solve_task(
+                task,
+                problem,
+                options.engine,
+                time_limit=options.time_limit,
+                memory_limit_mb=options.max_memory,
+            )
     except (EngineError, InvalidPlan) as error:
         print(f"error[{error.code}]: {error}", file=sys.stderr)
         return INPUT_ERRORS

@@ -16,14 +16,17 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from crow.budget import Progress
+    from crow.calls import FunctionError
     from crow.domain import Domain, load, load_problem
     from crow.execution import Environment, Execution, execute
+    from crow.functions import FunctionsError, controller, effect, function, generator
     from crow.plan import Result, Step
     from crow.planning import NotPlannable
     from crow.policy import ControllerCall, Done, Policy, Stuck
     from crow.problem import Problem, State, World
     from crow.program.codec import ProgramFormatError
     from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
+    from crow.robot import Robot
     from crow.stated import ProblemError
 
 __all__ = [
@@ -39,9 +42,16 @@ __all__ = [
     "Stuck",
     "Environment",
     "Execution",
+    "Robot",
     "Problem",
     "ProblemError",
     "ProgramFormatError",
+    "function",
+    "generator",
+    "effect",
+    "controller",
+    "FunctionsError",
+    "FunctionError",
     "State",
     "World",
     "Result",
@@ -64,6 +74,11 @@ _PLACES = {
     **dict.fromkeys(("execute", "Environment", "Execution"), "crow.execution"),
     "NotPlannable": "crow.planning",
     **dict.fromkeys(("Domain", "load", "load_problem"), "crow.domain"),
+    **dict.fromkeys(
+        ("function", "generator", "effect", "controller", "FunctionsError"), "crow.functions"
+    ),
+    "FunctionError": "crow.calls",
+    "Robot": "crow.robot",
     "ProblemError": "crow.stated",
     "ProgramFormatError": "crow.program.codec",
 }
@@ -78,6 +93,7 @@ def plan(
     time_limit: float | None = None,
     node_limit: int | None = None,
     depth_limit: int | None = None,
+    draw_limit: int | None = None,
     memory_limit_mb: int | None = None,
     on_progress: "Progress | None" = None,
     optimal: bool = False,
@@ -86,14 +102,15 @@ def plan(
 
     `engine` is `auto`, `best`, `iddfs`, `iw` or `reference`; `h`, the heuristic of best-first
     search, is `ff` or `add`. Limits are None for none: seconds of wall time, nodes, depth of nested
-    behaviors, MiB of memory. `on_progress` is called now and then with
-    statistics. With `optimal`, the search goes on for the plan that costs least (`minimize`, or the
-    number of controller calls) until none can cost less, or a limit is reached: `unproved` of the
-    plan says which.
+    behaviors, values drawn from one call of a generator, MiB of memory. `on_progress` is called now
+    and then with statistics. With `optimal`, the search goes on for the plan that costs least
+    (`minimize`, or the number of controller calls) until none can cost less, or a limit is reached:
+    `unproved` of the plan says which.
 
     Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
-    program that would have to choose values, and ValueError for an engine or heuristic that is
-    not one.
+    program that has functions without their Python or, with an engine that covers objects alone,
+    values to choose; ValueError for an engine or heuristic that is not one, and FunctionError where
+    the user's Python fails.
     """
     from crow.planning import Planning
 
@@ -105,6 +122,7 @@ def plan(
         time_limit=time_limit,
         node_limit=node_limit,
         depth_limit=depth_limit,
+        draw_limit=draw_limit,
         memory_limit_mb=memory_limit_mb,
         on_progress=on_progress,
         optimal=optimal,
@@ -120,6 +138,7 @@ def plans(
     time_limit: float | None = None,
     node_limit: int | None = None,
     depth_limit: int | None = None,
+    draw_limit: int | None = None,
 ) -> "Iterator[Plan]":
     """The plans of a problem, each once; with `iddfs`, those that need less depth first.
 
@@ -136,6 +155,7 @@ def plans(
         time_limit=time_limit,
         node_limit=node_limit,
         depth_limit=depth_limit,
+        draw_limit=draw_limit,
     ).plans()
 
 

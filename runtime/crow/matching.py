@@ -11,7 +11,6 @@ from crow.evaluate import EvaluationError
 from crow.problem import World
 from crow.program import (
     Apply,
-    Assign,
     Behavior,
     Compare,
     Constant,
@@ -20,14 +19,17 @@ from crow.program import (
     Not,
     Object,
     ObjectType,
+    Parameter,
     Quantified,
     Read,
     Type,
     Variable,
 )
+from crow.program.dependencies import features_read, features_written
 from crow.program.expressions import ComparisonOperator
 from crow.program.types import BOOL, is_number, underlying
-from crow.program.walk import statements_within, subexpressions
+from crow.program.walk import statements_within
+from crow.unknowns import Unknown
 from crow.values import Value, ValueRangeError, converted
 
 Evaluate = Callable[[Expression], Value]
@@ -145,6 +147,8 @@ class Matching:
         """A value as a parameter of a type has it; None where it is none of that type."""
         if isinstance(type_, ObjectType):
             return value if self.world.is_of(value, type_) else None
+        if type(value) is Unknown:
+            return converted(value, type_) if underlying(value.type) == underlying(type_) else None
         if isinstance(value, bool) != (underlying(type_) == BOOL):
             return None
         if is_number(type_) != isinstance(value, int | float) and underlying(type_) != BOOL:
@@ -155,18 +159,25 @@ class Matching:
             return None
 
     def _completed(self, behavior: Behavior, bindings: Bindings) -> Iterator[tuple[Value, ...]]:
-        """The arguments of a behavior; what its goal leaves open is each object of its type."""
+        """The arguments of a behavior; what its goal leaves open is each object of its type.
+
+        A value that the goal leaves open is None: it is bound where the body begins.
+        """
         choices = [
-            (bindings[p.name],) if p.name in bindings else self.world.objects_of(p.type)
+            (bindings[p.name],) if p.name in bindings else self._open(p)
             for p in behavior.parameters
         ]
         return looking(product(*choices))
+
+    def _open(self, parameter: Parameter) -> tuple[Value, ...]:
+        is_object = isinstance(parameter.type, ObjectType)
+        return self.world.objects_of(parameter.type) if is_object else (None,)
 
     # ------------------------------------------------------------------------------ what no goal is
 
     def writers(self, wanted: Expression) -> tuple[Behavior, ...]:
         """The behaviors whose effects write a feature that a comparison reads."""
-        read = {p.feature for p in subexpressions(wanted) if isinstance(p, Read)}
+        read = features_read(self.world.program, (wanted,))
         return tuple(b for b in self.world.program.behaviors if self.written[b.name] & read)
 
     @cached_property
@@ -178,9 +189,7 @@ class Matching:
         calls = [s.controller for s in statements_within(behavior.body) if isinstance(s, Do)]
         effects = [behavior.effect, *(self.world.controllers[name].effect for name in calls)]
         for effect in effects:
-            for statement in statements_within(effect or ()):
-                if isinstance(statement, Assign):
-                    yield statement.feature
+            yield from features_written(self.world.program, effect or ())
 
     def applications(
         self, wanted: Expression, evaluate: Evaluate

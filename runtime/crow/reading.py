@@ -31,6 +31,8 @@ def read_json(value: object, type_: Type, world: World) -> Value:
             return value
         case plain, int() | float() if is_number(plain) and not isinstance(value, bool):
             read = value
+        case _, {"opaque": str(shown)}:
+            raise WrongValueError(f"`{shown:.40}` is a value of Python, which no file has")
         case _:
             raise wrong_value(repr(value), type_)
     if isinstance(read, float) and not math.isfinite(read):
