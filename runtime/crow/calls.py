@@ -8,7 +8,7 @@ from crow.budget import Stopped
 from crow.outside import taken_in
 from crow.plan import call_text
 from crow.problem import Cell, World
-from crow.program import Location, ObjectType, Type
+from crow.program import PYOBJECT, Location, ObjectType, Type
 from crow.program.types import BOOL, underlying
 from crow.python_files import user_traceback
 from crow.reading import WrongValueError
@@ -83,17 +83,19 @@ def arguments_for(values: Row, types: tuple[Type, ...]) -> Row:
 
     Raises Touched for one that is not known yet, and ArithmeticError for one out of range.
     """
-    for value in values:
-        if type(value) is Unknown or type(value) is tuple:
-            for unknown in unknowns_in(value):
-                raise Touched(unknown)
-    pairs = zip(values, types, strict=True)
-    return tuple([value if _is_plain(type_) else converted(value, type_) for value, type_ in pairs])
+    return tuple([_argument(value, type_) for value, type_ in zip(values, types, strict=True)])
 
 
-def _is_plain(type_: Type) -> bool:
-    """Whether values of a type need no conversion."""
-    return isinstance(type_, ObjectType) or underlying(type_) == BOOL
+def _argument(value: Value, type_: Type) -> Value:
+    if type(value) is Unknown:
+        raise Touched(value)
+    plain = underlying(type_)
+    if isinstance(plain, ObjectType) or plain in (BOOL, PYOBJECT):
+        return value
+    if type(value) is tuple:
+        for unknown in unknowns_in(value):
+            raise Touched(unknown)
+    return converted(value, type_)
 
 
 class Remembered:

@@ -12,9 +12,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
+from crow.calls import part_read
 from crow.constraints.constraint import Constraint
 from crow.constraints.python import Cells, PythonGenerator, Row
-from crow.problem import State, World
+from crow.problem import Cell, State, World
 from crow.values import Opaque, Value
 
 if TYPE_CHECKING:
@@ -106,6 +107,7 @@ class Draws:
         self.limit = DEFAULT_LIMIT if limit is None else limit
         self.tallies: dict[str, Tally] = {}
         self._python: Any = world.externals if python is None else python
+        self._parts: dict[frozenset[tuple[Cell, object]], str] = {}
         self._streams: dict[str, Stream] = {}
         self._sources: dict[int, tuple[object, str]] = {}
 
@@ -144,10 +146,17 @@ class Draws:
     ) -> str:
         told = [str(self.seed), generator, path, self.told(inputs)]
         if python.reads:
-            own = sorted(((c, v) for c, v in cells.items() if c[0] in python.reads),
-                         key=lambda item: item[0])  # fmt: skip
-            told += [f"{cell!r} {self.told(value)}" for cell, value in own]
+            told.append(self._told_part(part_read(cells, python.reads)))
         return hashlib.blake2b("\n".join(told).encode(), digest_size=16).hexdigest()
+
+    def _told_part(self, part: frozenset[tuple[Cell, object]]) -> str:
+        """Cells as text that is the same in each process."""
+        found = self._parts.get(part)
+        if found is None:
+            own = sorted(part, key=lambda item: item[0])
+            found = "\n".join(f"{cell!r} {self.told(value)}" for cell, value in own)
+            self._parts[part] = found
+        return found
 
     def told(self, value: Value) -> str:
         """A value as text that is the same in each process."""

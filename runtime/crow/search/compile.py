@@ -112,6 +112,11 @@ class Programs:
         wanted = body.wanted(self.conditions.normal(goal), {})
         return wanted, body.test(goal, {}), body.size
 
+    def term(self, node: Expression, slots: Slots) -> Compiled:
+        """A value, compiled."""
+        with self._lock:
+            return self.compiler.expression(node, slots)
+
     def controller(self, name: str) -> Effect | None:
         """The effect of a controller, if it has one."""
         if name not in self._controllers:

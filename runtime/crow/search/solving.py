@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 
 from crow.constraints import Conflict, Constraint, Drawing, Draws, Solutions, Solver, Store
+from crow.constraints.draws import Stream
 from crow.evaluate import EvaluationError, changes
 from crow.problem import State
 from crow.program import (
@@ -24,6 +25,7 @@ from crow.program import (
     Variable,
 )
 from crow.search.code import CallOp, DoOp, DrawOp, FixOp, LetOp, Op, Test
+from crow.search.direct import Direct, direct
 from crow.search.expressions import Compiled, Environment, names_of
 from crow.search.frames import Context, Frame, Kind
 from crow.search.members import with_slots
@@ -37,6 +39,7 @@ from crow.search.points import (
     Step,
     Undecided,
     constraint_of,
+    holds,
 )
 from crow.search.states import Snapshot
 from crow.search.substitution import Substitution
@@ -72,6 +75,7 @@ class Solving:
         self.solver = Solver(world, self.draws)
         self.nothing = Known(Store.of(world), {})
         self.most = 1
+        self._directs: dict[DrawOp, Direct | None] = {}
         self._tests: dict[tuple[Expression, Location | None], Test] = {}
 
     def statistics(self) -> dict[str, Any]:
@@ -84,6 +88,10 @@ class Solving:
         """A bind of values: unknowns, with the condition as a constraint of this time step."""
         context = point.context
         assert context is not None
+        self.machine.counters.nodes += 1
+        if not self._known(point).open and (found := self._direct(op)) is not None:
+            stream = self._stream(point, context, op, found)
+            return Choice(point, self._drawn_directly(point, op, rest, found, stream))
         values, place = context.values, self._place(context, op)
         own = [
             (slot, Unknown(variable.name, variable.type, f"{place}.{variable.name}"))
@@ -91,7 +99,6 @@ class Solving:
             if not op.is_parameter or values[slot] is None
         ]
         bind = _Bind(context, op.test, rest, tuple(s for s, _ in own), tuple(u for _, u in own))
-        self.machine.counters.nodes += 1
         known = self._known(point)
         if op.test is None:
             return self._bound(point, bind, bind.unknowns, known)
@@ -104,6 +111,47 @@ class Solving:
         if drawn is None:
             return self._bound(point, bind, bind.unknowns, self._known(asking))
         return Choice(point, self._each(point, bind, drawn))
+
+    def _direct(self, op: DrawOp) -> Direct | None:
+        """The one generator that a bind needs, if that is all it needs."""
+        if op not in self._directs:
+            self._directs[op] = direct(op, self.machine.programs)
+        return self._directs[op]
+
+    def _stream(self, point: Point, context: Context, op: DrawOp, found: Direct) -> Stream:
+        inputs = tuple(term(point.state, context.values) for term in found.inputs)
+        place, cells = self._place(context, op), point.state.cells
+        return self.draws.stream(found.generator, place, cells, inputs)
+
+    def _drawn_directly(
+        self, point: Point, op: DrawOp, rest: Frame | None, found: Direct, stream: Stream
+    ) -> Iterator[Point]:
+        """The points after a bind, one for each value drawn that is what it should be."""
+        context = point.context
+        assert context is not None
+        seen, index = set[tuple[Value, ...]](), 0
+        test, machine = op.test, self.machine
+        assert test is not None
+        while (row := stream.item(index)) is not None:
+            if index >= self.most:
+                machine.cut_of_values |= DRAWS
+                return
+            index += 1
+            if row in seen:
+                continue
+            seen.add(row)
+            for value in row:
+                self.draws.came_from(value, f"{stream.key}#{index}")
+            machine.counters.nodes += 1
+            own = with_slots(context.values, op.slots, tuple(row[i] for i in found.outputs))
+            if holds(test, point.state, own):
+                after = self.shared.context(context.application, own, context.held)
+                yield point.told(("assert", test, own)).at(rest, after)
+            else:
+                self.draws.rejected(found.generator, found.constraint)
+                machine.dead.note(point, "nothing that was drawn is like this", test, own)
+        if stream.is_limited or not stream.python.is_complete:
+            machine.cut_of_values |= GENERATOR
 
     def _each(self, point: Point, bind: "_Bind", stores: Iterator[Store]) -> Iterator[Point]:
         for store in stores:

@@ -52,9 +52,10 @@ def until_pause(plans: Iterator[Found | None]) -> Generator[Found, None, bool]:
 
 
 class Deepening:
-    """Iterative deepening: rounds, each a level deeper, with twice as many draws a generator call.
+    """Iterative deepening: rounds, each a level deeper.
 
-    Once nothing is deeper, or the limit is met, rounds go on as long as more could be drawn.
+    Each second one doubles the draws of a call. Once nothing is deeper, or the limit is met, rounds
+    go on as long as more could be drawn.
     """
 
     def __init__(
@@ -70,7 +71,7 @@ class Deepening:
         """Plans, some more than once; None where the search has paused."""
         for number in count():
             depth = _at_most(number, self.depth_limit)
-            draws = _at_most(1 << number, self.draw_limit)
+            draws = _at_most(1 << (number // 2), self.draw_limit)
             self.depth = depth
             yield from self.engine.round(depth, draws)
             self._left_out = self.engine.left_out()

@@ -73,26 +73,28 @@ def arguments(plan: crow.Plan) -> list[tuple[Any, ...]]:
 @pytest.mark.parametrize(
     ("body", "expected"),
     [
-        ("bind p: float64 where: shelf(p)\n    do go(o, p)", 1.0),
-        ("bind p: float64\n    assert shelf(p)\n    do go(o, p)", 1.0),
-        ("bind p: float64 where: shelf(p) and p > 1.5\n    do go(o, p)", 2.0),
-        ("bind p: float64 where: shelf(p)\n    assert p > 2.5\n    do go(o, p)", 3.0),
+        ("bind p: float64 where: shelf(p) | do go(o, p)", 1.0),
+        ("bind p: float64 | assert shelf(p) | do go(o, p)", 1.0),
+        ("bind p: float64 where: shelf(p) and p > 1.5 | do go(o, p)", 2.0),
+        ("bind p: float64 where: shelf(p) | assert p > 2.5 | do go(o, p)", 3.0),
         # Computed, not drawn.
-        ("bind p: float64 where: p == pos(o) + 4\n    do go(o, p)", 4.0),
-        ("bind p: float64\n    assert 2 * p == 7\n    do go(o, p)", 3.5),
-        ("bind p: float64\n    let q = p + 1\n    assert q == 3\n    do go(o, q)", 3.0),
-        ("bind p: float64\n    do go(o, p + 1)\n    assert p == 1", 2.0),
-        ("bind p: float64\n    if p > 2: assert p == 5\n    else: assert p == 9\n    do go(o, p)", 5.0),
+        ("bind p: float64 where: p == pos(o) + 4 | do go(o, p)", 4.0),
+        ("bind p: float64 | assert 2 * p == 7 | do go(o, p)", 3.5),
+        ("bind p: float64 | let q = p + 1 | assert q == 3 | do go(o, q)", 3.0),
+        ("bind p: float64 | do go(o, p + 1) | assert p == 1", 2.0),
+        ("bind p: float64 | if p > 2: assert p == 5 | else: assert p == 9 | do go(o, p)", 5),
         # Found in the order of time, used before.
-        ("bind p, q: float64 where: q == p + 1\n    assert shelf(p)\n    assert q > 2\n    do go(o, q)", 3.0),
-        ("bind p: float64\n    achieve pos(o) == p\n    assert p == 6", 6.0),
-        ("bind p: float64\n    assert p > 0 or p == -2\n    assert not p > 0\n    do go(o, p)", -2.0),
-        ("bind p: float64 where: shelf(p)\n    commit\n    do go(o, p)", 1.0),
-        ("bind p: float64\n    assert p == 8\n    commit\n    do go(o, p)", 8.0),
+        ("bind p, q: float64 where: q == p + 1 | assert shelf(p) and q > 2 | do go(o, q)", 3.0),
+        ("bind p: float64 | achieve pos(o) == p | assert p == 6", 6.0),
+        ("bind p: float64 | assert p > 0 or p == -2 | assert not p > 0 | do go(o, p)", -2.0),
+        ("bind p: float64 where: shelf(p) | commit | do go(o, p)", 1.0),
+        ("bind p: float64 | assert p == 8 | commit | do go(o, p)", 8.0),
     ],
 )  # fmt: skip
 def test_a_bound_value(loads: Loads, body: str, expected: float) -> None:
-    text = f"{LINE}\nbehavior finish(o: Thing):\n  goal: done(o)\n  body:\n    {body}\n  eff:\n    done[o] = True\n"
+    head = "behavior finish(o: Thing):\n  goal: done(o)\n  body:\n"
+    lines = body.replace(" | ", "\n    ")
+    text = f"{LINE}\n{head}    {lines}\n  eff:\n    done[o] = True\n"
     plan = planned(loads(text, "done(a)", SHELVES, {"pos(a)": 0.0, "pos(b)": 0.0}))
     assert arguments(plan)[0] == ("a", expected)
 
