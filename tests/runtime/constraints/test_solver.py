@@ -55,7 +55,7 @@ def test_unsatisfiable_is_proved_with_a_core() -> None:
     assert next(solutions, None) is None
     assert solutions.is_proved
     core = solutions.core()
-    assert [c.text for c in core] == ["a or b", "a or not b", "not a or b", "not a or not b"]
+    assert [c.text for c in core.core] == ["a or b", "a or not b", "not a or b", "not a or not b"]
 
 
 # ------------------------------------------------------------------------------------ generators
@@ -236,7 +236,7 @@ def test_a_complete_generator_lets_be_proved_that_there_is_nothing() -> None:
     solutions = problem.solutions()
     assert list(solutions) == []
     assert solutions.is_proved
-    assert [c.text for c in solutions.core()] == ["spot(x)", "x * x == 17"]
+    assert [c.text for c in solutions.core().core] == ["spot(x)", "x * x == 17"]
 
 
 @pytest.mark.parametrize(
