@@ -11,7 +11,7 @@ from typing import Final, Literal
 
 from crow.constraints.draws import Draws, Stream
 from crow.constraints.pairing import Pairing
-from crow.constraints.propagation import Clash, Propagation
+from crow.constraints.propagation import Clash, Marker, Propagation
 from crow.constraints.python import Row
 from crow.constraints.reduce import Reducer
 from crow.constraints.store import Requirement, Store
@@ -168,7 +168,7 @@ class Drawing(Iterator[Store]):
         self, requirement: Requirement, outputs: tuple[Ground, ...], row: Row
     ) -> Store | Clash:
         run = Propagation(self.store)
-        marker = Unknown("draw", BOOL)
+        marker = Marker("draw", BOOL)
         try:
             for output, value in zip(outputs, row, strict=True):
                 if type(output) is Unknown:
@@ -215,7 +215,7 @@ def sides_tried(
     ground, atom, is_first = split
     for is_wanted in (is_first, not is_first):
         run = Propagation(store)
-        marker = Unknown("case", BOOL)
+        marker = Marker("case", BOOL)
         try:
             run.choose(marker, is_wanted, mask)
             run.decide(requirement, ground, (atom, is_wanted), marker)

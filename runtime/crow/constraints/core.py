@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 from crow.constraints.constraint import Conflict, Constraint, Core
-from crow.constraints.propagation import Clash, Propagation
+from crow.constraints.propagation import Clash, Marker, Propagation
 from crow.constraints.store import Requirement, Store
 from crow.unknowns import Unknown
 from crow.values import Value
@@ -67,7 +67,7 @@ def behind(clash: Clash) -> tuple[tuple[Constraint, ...], dict[Unknown, Value]]:
                 continue
             seen.add(unknown)
             origins = run.origins.get(unknown, ())
-            if not origins:
+            if not origins and not isinstance(unknown, Marker):
                 chosen[unknown] = run.values.get(unknown)
             for origin in origins:
                 if origin not in found:

@@ -54,6 +54,12 @@ class Clash(Exception):  # noqa: N818 - ends a propagation
         return mask
 
 
+class Marker(Unknown):
+    """What stands for a choice that gives no unknown a value: a side of an atom, an expression."""
+
+    __slots__ = ()
+
+
 class Propagation:
     """A store on its way to the next one."""
 
