@@ -2,7 +2,7 @@
 
 from collections import ChainMap
 from collections.abc import Callable, Mapping
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from crow.budget import Stopped
 from crow.outside import taken_in
@@ -14,6 +14,9 @@ from crow.python_files import user_traceback
 from crow.reading import WrongValueError
 from crow.unknowns import Touched, Unknown, unknowns_in
 from crow.values import Value, converted, given_out
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 Row = tuple[Value, ...]
 Cells = Mapping[Cell, object]
@@ -153,3 +156,11 @@ class Call:
     def wrong(self, reason: str, traceback: str = "") -> FunctionError:
         """What goes wrong, with its place."""
         return FunctionError(self._name, self._shown, reason, self._location, traceback)
+
+
+def check_finite(call: Call, array: "NDArray[Any]", type_: Type, world: World) -> None:
+    """Raise FunctionError for the first row of an array that has a number that is not finite."""
+    import numpy as np
+
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        call.taken(next(row for row in array if not np.isfinite(row).all()), type_, world)

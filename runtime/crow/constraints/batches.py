@@ -54,7 +54,7 @@ class Columns:
         """A ground as an array: numbers have no axis but that of rows, vectors one more."""
         if type(ground) is Unknown:
             column = self.columns.get(ground)
-            return self._of_value(self.values.get(ground)) if column is None else column
+            return self._of_value(self.values.get(ground)) if column is None else _checked(column)
         if is_known(ground):
             return self._of_value(ground)
         if type(ground) is not Open:
@@ -176,10 +176,14 @@ def _checked(array: Any) -> Any:
 
 def _multiplicable(op: str, left: Any, right: Any) -> tuple[Any, Any]:
     """Factors whose product does not overflow."""
-    if op == "*" and left.dtype.kind == right.dtype.kind == "i" and left.size and right.size:
-        if float(abs(left).max()) * float(abs(right).max()) >= _EXACT:
-            raise NotVectorizedError
+    are_integers = left.dtype.kind == right.dtype.kind == "i" and left.size and right.size
+    if op == "*" and are_integers and _largest(left) * _largest(right) >= _EXACT:
+        raise NotVectorizedError
     return left, right
+
+
+def _largest(array: Any) -> float:
+    return float(abs(array).max())
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +197,8 @@ class Survivors:
 def survivors(store: Store, columns: Mapping[Unknown, Any]) -> Survivors:
     """The rows of candidates that no requirement on them alone rejects."""
     count = len(next(iter(columns.values()))) if columns else 0
-    own = {u: _checked(np.asarray(a)) for u, a in columns.items()}
+    arrays = {u: np.asarray(a) for u, a in columns.items()}
+    own = {u: a for u, a in arrays.items() if a.dtype.kind in "bif"}
     rows = np.arange(count)
     rejected = {}
     for requirement in _decided(store, own):

@@ -11,7 +11,7 @@ from typing import Final, Literal
 
 from crow.constraints.draws import Draws, Stream
 from crow.constraints.pairing import Pairing
-from crow.constraints.propagation import Clash, Propagation
+from crow.constraints.propagation import Clash, Marker, Propagation
 from crow.constraints.python import Row
 from crow.constraints.reduce import Reducer
 from crow.constraints.store import Requirement, Store
@@ -114,15 +114,17 @@ class Drawing(Iterator[Store]):
         path = " ".join(f"{u.path}/{u.name}" for u in pairing.wanted)
         stream = self.draws.stream(pairing.generator.name, path, cells, inputs)
         name = pairing.generator.name
-        rows = self._many if stream.python.is_batch else self._single
-        for row, source, is_new in rows(stream, name, outputs):
+        is_batch = stream.python.is_batch
+        rows = self._many(stream, name, outputs) if is_batch else self._single(stream, name)
+        for row, source, is_new in rows:
             for value in row:
                 self.draws.came_from(value, source)
-            yield Attempt(self._tried(requirement, name, outputs, row), is_new)
+            outcome = self._tried(requirement, outputs, row)
+            if is_new and isinstance(outcome, Clash) and outcome.requirements:
+                self.draws.rejected(name, outcome.requirements[0].source)
+            yield Attempt(outcome, is_new)
 
-    def _single(
-        self, stream: Stream, name: str, outputs: tuple[Ground, ...]
-    ) -> Iterator[tuple[Row, str, bool]]:
+    def _single(self, stream: Stream, name: str) -> Iterator[tuple[Row, str, bool]]:
         """The outputs of a generator of single values, each once."""
         most, index = self.budget.most, 0
         seen: set[Row] = set()
@@ -145,7 +147,7 @@ class Drawing(Iterator[Store]):
             if most is not None and batch >= most:
                 self.cuts.add(Cut("round", name))
                 return
-            for index in self._surviving(name, outputs, arrays):
+            for index in self._surviving(name, outputs, arrays, batch >= self.budget.before):
                 if most is not None and tried >= most:
                     self.cuts.add(Cut("round", name))
                     return
@@ -163,33 +165,32 @@ class Drawing(Iterator[Store]):
             self.cuts.add(Cut("incomplete", name))
 
     def _tried(
-        self, requirement: Requirement, name: str, outputs: tuple[Ground, ...], row: Row
+        self, requirement: Requirement, outputs: tuple[Ground, ...], row: Row
     ) -> Store | Clash:
         run = Propagation(self.store)
-        marker = Unknown(name, BOOL)
+        marker = Marker("draw", BOOL)
         try:
             for output, value in zip(outputs, row, strict=True):
                 if type(output) is Unknown:
                     run.choose(output, value, self.mask)
                     continue
                 if self.mask and marker not in run.values:
-                    run.choose(marker, True, self.mask)
+                    run.choose(marker, value=True, mask=self.mask)
                 equation = opened("==", (output, value), BOOL)
-                run.require(equation, True, requirement.source, (marker,))
+                run.require(equation, requirement.source, (marker,))
             return run.finished()
         except Clash as clash:
-            if clash.requirements:
-                self.draws.rejected(name, clash.requirements[0].source)
             return clash
 
     def _surviving(
-        self, name: str, outputs: tuple[Ground, ...], arrays: tuple[object, ...]
+        self, name: str, outputs: tuple[Ground, ...], arrays: tuple[object, ...], is_new: bool
     ) -> Iterator[int]:
         """The rows of a batch that the constraints on them alone let pass."""
         from crow.constraints.batches import survivors
 
         columns = {o: a for o, a in zip(outputs, arrays, strict=True) if type(o) is Unknown}
-        for requirement, count in (found := survivors(self.store, columns)).rejected.items():
+        found = survivors(self.store, columns)
+        for requirement, count in found.rejected.items() if is_new else ():
             self.draws.rejected(name, requirement.source, count)
         return iter(found.rows)
 
@@ -214,7 +215,7 @@ def sides_tried(
     ground, atom, is_first = split
     for is_wanted in (is_first, not is_first):
         run = Propagation(store)
-        marker = Unknown("case", BOOL)
+        marker = Marker("case", BOOL)
         try:
             run.choose(marker, is_wanted, mask)
             run.decide(requirement, ground, (atom, is_wanted), marker)

@@ -1,7 +1,7 @@
 """Constraints: conditions of a program with their variables and the state of their time step."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from crow.problem import State
 from crow.program import Expression, Location
@@ -43,21 +43,40 @@ class Constraint:
         return f"`{self.text}`" if self.place is None else f"{self.place}: `{self.text}`"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Conflict:
-    """Constraints that cannot be true together; `core` are few of them, `reason` says how it shows.
+Core = tuple[tuple[Constraint, ...], Mapping[Unknown, Value]]
+"""Constraints, and values that were chosen, which do not go together."""
 
-    `values` are those that were given to unknowns by choice, not computed, and that it rests on.
+
+class Conflict:
+    """Constraints that cannot be true together; `reason` says how that shows.
+
+    Which they are is found out when it is asked: a search meets many conflicts, and tells few.
     """
 
-    core: tuple[Constraint, ...]
-    reason: str
-    values: Mapping[Unknown, Value] = field(default_factory=dict)
+    __slots__ = ("_find", "_found", "reason")
+
+    def __init__(self, reason: str, find: Callable[[], Core]) -> None:
+        self.reason = reason
+        self._find: Callable[[], Core] | None = find
+        self._found: Core = ((), {})
+
+    def _core(self) -> Core:
+        if self._find is not None:
+            self._found = self._find()
+            self._find = None
+        return self._found
+
+    @property
+    def core(self) -> tuple[Constraint, ...]:
+        """The constraints, in the order in which they came; each is needed, as far as was tried."""
+        return self._core()[0]
+
+    @property
+    def values(self) -> Mapping[Unknown, Value]:
+        """The values that were given to unknowns by choice, not computed, and that it rests on."""
+        return self._core()[1]
 
     def __str__(self) -> str:
         lines = [self.reason, *map(str, self.core)]
         lines += [f"with {u.name} = {value!r}" for u, value in self.values.items()]
         return "\n".join(lines)
-
-    def __iter__(self) -> Iterator[Constraint]:
-        return iter(self.core)

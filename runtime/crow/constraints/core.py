@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
-from crow.constraints.constraint import Conflict, Constraint
-from crow.constraints.propagation import Clash, Propagation
+from crow.constraints.constraint import Conflict, Constraint, Core
+from crow.constraints.propagation import Clash, Marker, Propagation
 from crow.constraints.store import Requirement, Store
 from crow.unknowns import Unknown
 from crow.values import Value
@@ -18,10 +18,14 @@ _MOST_NODES: Final = 10_000
 
 
 def conflict_of(clash: Clash) -> Conflict:
-    """The failing core of a propagation, smaller by leaving out what is not needed."""
+    """The conflict that ended a propagation."""
+    return Conflict(clash.reason, lambda: _smallest(clash))
+
+
+def _smallest(clash: Clash) -> Core:
+    """What a clash came from, smaller by leaving out what it does not need."""
     core, values = behind(clash)
     knowledge = clash.run.knowledge
-    reason = clash.reason
     index = tries = 0
     while index < len(core) and tries < _MOST_TRIES and len(core) > 1:
         tries += 1
@@ -30,8 +34,8 @@ def conflict_of(clash: Clash) -> Conflict:
             index += 1
             continue
         smaller, values = behind(found)
-        core, reason = tuple(c for c in core if c in smaller), found.reason
-    return Conflict(core, reason, values)
+        core = tuple(c for c in core if c in smaller)
+    return core, values
 
 
 def _clash(
@@ -63,7 +67,7 @@ def behind(clash: Clash) -> tuple[tuple[Constraint, ...], dict[Unknown, Value]]:
                 continue
             seen.add(unknown)
             origins = run.origins.get(unknown, ())
-            if not origins:
+            if not origins and not isinstance(unknown, Marker):
                 chosen[unknown] = run.values.get(unknown)
             for origin in origins:
                 if origin not in found:
@@ -75,12 +79,17 @@ def behind(clash: Clash) -> tuple[tuple[Constraint, ...], dict[Unknown, Value]]:
 
 def unsolvable_core(solutions: "Solutions") -> Conflict:
     """Constraints without solution, each of which is needed for that as far as it was found out."""
+    if solutions.is_proved:
+        return Conflict("there is no solution", lambda: _needed(solutions))
+    told = "; ".join(sorted(map(str, solutions.cuts)))
+    return Conflict(f"no solution was found: {told}", lambda: (tuple(solutions.store.given), {}))
+
+
+def _needed(solutions: "Solutions") -> Core:
+    """The constraints but those without which there is no solution either."""
     from crow.constraints.solver import solved_without
 
     kept = tuple(solutions.store.given)
-    if not solutions.is_proved:
-        told = "; ".join(sorted(map(str, solutions.cuts)))
-        return Conflict(kept, f"no solution was found: {told}")
     left = _MOST_NODES if len(kept) <= _MOST_CONSTRAINTS else 0
     nodes = 2 * solutions.nodes + 10
     for constraint in kept:
@@ -89,4 +98,4 @@ def unsolvable_core(solutions: "Solutions") -> Conflict:
         left -= nodes
         if solved_without(solutions, constraint, kept, nodes) is False:
             kept = tuple(c for c in kept if c is not constraint)
-    return Conflict(kept, "there is no solution")
+    return kept, {}

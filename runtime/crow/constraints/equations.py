@@ -116,8 +116,8 @@ def _inverted(term: Open, value: Value) -> _Step | tuple[()] | None:
             try:
                 return _Step((inner, _each(inverse, value, known)))
             except ZeroDivisionError:
-                # 0 * x: any value will do, or none.
-                return None if _is_zero(value) else ()
+                # 0 * x == 0 and 0 / x == 0 are true of any value, or almost any.
+                return None if _is_zero(value) and (op == "*" or _is_zero(known)) else ()
             except (OverflowError, ValueError):
                 return ()
         case _:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
 from typing import Any
 
+from crow.calls import FixedCells
 from crow.conditions import unfold
 from crow.constraints.python import Cells, Python
 from crow.problem import Cell, World
@@ -65,7 +66,7 @@ class Knowledge:
         found = self._resolved.get(key)
         if found is None or found[0] is not cells:
             changed = {c: v for (c, _), v in zip(own, given, strict=True)}
-            found = self._resolved[key] = (cells, {**cells, **changed})
+            found = self._resolved[key] = (cells, FixedCells({**cells, **changed}))
         return found[1]
 
 

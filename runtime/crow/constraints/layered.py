@@ -33,7 +33,10 @@ class Layered(Mapping[K, V], Generic[K, V]):
         made._above = {**self._above, **changes}
         made._count = self._count + self._grown(changes)
         if len(made._above) ** 2 > len(self._below) + _SMALL**2:
-            made._below = dict(made.items())
+            made._below = {**self._below, **made._above}
+            for key, value in made._above.items():
+                if value is GONE:
+                    made._below.pop(key)
             made._above = {}
         return made
 

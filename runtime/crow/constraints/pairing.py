@@ -38,9 +38,9 @@ class Pairing:
     read: tuple[Unknown, ...]
 
     @property
-    def wanted(self) -> tuple[Unknown, ...]:
-        """The unknowns that its outputs give values to."""
-        return tuple(dict.fromkeys(u for output in self.outputs for u in unknowns_of(output)))
+    def wanted(self) -> dict[Unknown, None]:
+        """The unknowns that its outputs give values to, in order."""
+        return dict.fromkeys(u for output in self.outputs for u in unknowns_of(output))
 
 
 def pairings(knowledge: Knowledge, term: Ground, is_wanted: bool) -> tuple[Pairing, ...]:

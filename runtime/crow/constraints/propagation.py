@@ -18,6 +18,7 @@ from crow.constraints.terms import (
     Ground,
     Open,
     is_known,
+    is_late,
     is_partial,
     meaning,
     opened,
@@ -25,7 +26,7 @@ from crow.constraints.terms import (
 )
 from crow.evaluate import EvaluationError
 from crow.program.types import BOOL, ObjectType, is_integer
-from crow.unknowns import Unknown
+from crow.unknowns import Unknown, unknowns_in
 from crow.values import Value, ValueRangeError, converted
 
 _ABSENT: Final = object()
@@ -53,6 +54,12 @@ class Clash(Exception):  # noqa: N818 - ends a propagation
         return mask
 
 
+class Marker(Unknown):
+    """What stands for a choice that gives no unknown a value: a side of an atom, an expression."""
+
+    __slots__ = ()
+
+
 class Propagation:
     """A store on its way to the next one."""
 
@@ -69,6 +76,7 @@ class Propagation:
         self.occurrences = Draft(store.occurrences)
         self.bounds = Draft(store.bounds)
         self.given = Draft(store.given)
+        self.mentioned: dict[Unknown, None] = {}
         self.count = store.count
         self.reducer = Reducer(store.knowledge, self.values)
         self._queue: deque[Requirement] = deque()
@@ -76,6 +84,7 @@ class Propagation:
 
     def take(self, constraint: Constraint) -> None:
         """Require a constraint. Raises Clash."""
+        self.reducer.seen = {}
         try:
             ground = self.reducer.reduce(
                 constraint.condition, constraint.variables, constraint.state.cells
@@ -89,17 +98,20 @@ class Propagation:
             stored = self.reducer.made("store", (ground,), unknown.type, constraint.place)
             own = self.reducer.known(unknown)
             ground = self.reducer.made("==", (own, stored), BOOL, constraint.place)
-        self._demand(ground, constraint.is_wanted, constraint, ())
+        self.mentioned |= self.reducer.seen
+        known = dict.fromkeys(u for u in self.reducer.seen if u in self.values)
+        if is_late(ground):  # it may come to read any cell
+            read = self.knowledge.open_cells(constraint.state.cells)
+            known |= dict.fromkeys(u for _, value in read for u in unknowns_in(value))
+        self._demand(ground, constraint.is_wanted, constraint, tuple(known))
 
     def choose(self, unknown: Unknown, value: Value, mask: int = 0) -> None:
         """Give an unknown a value by choice. Raises Clash."""
         self._assign(unknown, value, (), mask)
 
-    def require(
-        self, ground: Ground, is_wanted: bool, source: Constraint, parents: tuple[Unknown, ...]
-    ) -> None:
+    def require(self, ground: Ground, source: Constraint, parents: tuple[Unknown, ...]) -> None:
         """Require a term by choice, on behalf of a constraint. Raises Clash."""
-        self._demand(self.reducer.refreshed(ground), is_wanted, source, parents)
+        self._demand(self.reducer.refreshed(ground), is_wanted=True, source=source, parents=parents)
 
     def decide(
         self,
@@ -138,6 +150,7 @@ class Propagation:
             occurrences=self.occurrences.made(),
             bounds=self.bounds.made(),
             given=self.given.made(),
+            mentioned=self.store.mentioned.changed(self.mentioned),
             count=self.count,
         )
 
@@ -200,13 +213,22 @@ class Propagation:
 
     def _visit(self, requirement: Requirement) -> None:
         ground = self.reducer.refreshed(requirement.term)
-        if type(ground) is Open and ground.operator != requirement.term.operator:
+        if type(ground) is Open and self._is_another(ground, requirement):
             self._settle(requirement)
             self._demand(ground, requirement.is_wanted, requirement.source, self._why(requirement))
         elif self._is_met(ground, requirement.is_wanted, requirement):
             self._settle(requirement)
         else:
             self._see_whether_ready(requirement)
+
+    def _is_another(self, ground: Open, requirement: Requirement) -> bool:
+        """Whether a requirement has come to something that is to be kept by itself."""
+        if ground.operator != requirement.term.operator:
+            return True
+        if not is_late(requirement.term):
+            return False
+        own = frozenset(requirement.unknowns)
+        return any(unknown not in own for unknown in unknowns_of(ground))
 
     def _see_whether_ready(self, requirement: Requirement) -> None:
         if any(map(self.is_ready, requirement.pairings)):

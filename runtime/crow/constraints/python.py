@@ -18,7 +18,10 @@ class PythonFunction(Protocol):
     """An external function; `reads` are the features it reads, None if it reads no state."""
 
     reads: frozenset[str] | None
-    is_vectorized: bool
+
+    @property
+    def is_vectorized(self) -> bool:
+        """Whether `column` may be asked."""
 
     def value(self, cells: Cells, arguments: Row, location: Location | None = None) -> Value:
         """The value for some arguments, of the type of the function."""

@@ -55,7 +55,7 @@ from crow.program import (
     Xor,
 )
 from crow.program.types import BOOL, FLOAT64, UNKNOWN, is_boolean, underlying
-from crow.unknowns import Touched, Unknown, kept
+from crow.unknowns import Touched, Unknown, kept, unknowns_in
 from crow.values import Value, converted, stored
 
 Environment = Mapping[str, Ground]
@@ -63,12 +63,16 @@ _ABSENT: Final = object()
 
 
 class Reducer:
-    """Works terms out under the values that unknowns have by now; `values` needs `get` alone."""
+    """Works terms out under the values that unknowns have by now; `values` needs `get` alone.
+
+    `seen` are the unknowns that were met in expressions.
+    """
 
     def __init__(self, knowledge: Knowledge, values: Any) -> None:
         self.knowledge = knowledge
         self.world = knowledge.world
         self.values = values
+        self.seen: dict[Unknown, None] = {}
         self._atom: Ground = None
         self._side = False
 
@@ -127,9 +131,11 @@ class Reducer:
     def known(self, ground: Ground, type_: Type = UNKNOWN) -> Ground:
         """A ground with its unknowns looked up, where it is a value or an unknown."""
         if type(ground) is Unknown:
+            self.seen[ground] = None
             return self.values.get(ground, ground)
         if type(ground) is tuple:
             vector = lifted(ground, type_)
+            self.seen |= dict.fromkeys(unknowns_in(ground))
             return self.refreshed(vector) if vector is not ground else ground
         return ground
 
@@ -335,6 +341,8 @@ class Reducer:
         try:
             if operator == "call":
                 return self.knowledge.python.functions[name].value(now, arguments, location)
+            read = (u for _, value in self.knowledge.open_cells(cells) for u in unknowns_in(value))
+            self.seen |= dict.fromkeys(read)
             own = tuple([Variable(p.name, p.type) for p in function.parameters])
             names = {p.name: a for p, a in zip(function.parameters, arguments, strict=True)}
             return evaluate(self.world, State(now), Apply(name, own, function.type), names)

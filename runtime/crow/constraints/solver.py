@@ -27,8 +27,10 @@ from crow.constraints.propagation import Propagation
 from crow.constraints.reduce import Reducer
 from crow.constraints.store import Requirement, Store, is_discrete
 from crow.constraints.terms import Ground, Open, is_known
-from crow.program import ObjectType
+from crow.program import ObjectType, VectorType
+from crow.program.types import is_number, underlying
 from crow.unknowns import Unknown
+from crow.values import default_value
 
 if TYPE_CHECKING:
     from crow.problem import World
@@ -59,8 +61,9 @@ class Solver:
     ) -> "Solutions":
         """The solutions of a store, each once: an iterator of stores in which nothing is open.
 
-        With `most`, one round with as many draws of each call; else rounds with 1, 2, 4, … until
-        no call has more values, or may be asked for more.
+        What a solution leaves open has false, 0, or the first object as its value; an opaque value
+        that is not needed has none. With `most`, one round with as many draws of each call; else
+        rounds with 1, 2, 4, … until no call has more values, or may be asked for more.
         """
         return Solutions(self, store, most, node_limit)
 
@@ -89,7 +92,7 @@ class Solutions(Iterator[Store]):
     def __next__(self) -> Store:
         solution = next(self._solutions)
         self.found += 1
-        return solution
+        return _filled(solution)
 
     @property
     def is_proved(self) -> bool:
@@ -278,6 +281,29 @@ class _Search:
             if is_bounded or is_discrete(unknown):
                 return self._values_of(store, unknown, bit)
         return None
+
+
+def _filled(store: Store) -> Store:
+    """A solution with some value for what it leaves open, where the type tells one."""
+    free = [u for u in store.mentioned if u not in store.values]
+    if not free:
+        return store
+    run = Propagation(store)
+    for unknown in free:
+        value = _any_value(store, unknown)
+        if value is not None:
+            run.choose(unknown, value)
+    return run.finished()
+
+
+def _any_value(store: Store, unknown: Unknown) -> "Value | None":
+    if isinstance(unknown.type, ObjectType):
+        return next(iter(store.knowledge.world.objects_of(unknown.type)), None)
+    match underlying(unknown.type):
+        case VectorType(element=element, length=int(length)) if is_number(element):
+            return (default_value(element),) * length
+        case plain:
+            return default_value(plain)
 
 
 def _without_masks(store: Store) -> Store:

@@ -80,7 +80,7 @@ class Store:
 
     `values` has what was given and what follows from it. `pending` are requirements with how many
     of their unknowns have no value; `ready` are those for which a generator can be asked; `given`
-    are all constraints there ever were.
+    are all constraints there ever were, `mentioned` all unknowns in them.
     """
 
     knowledge: Knowledge
@@ -94,6 +94,7 @@ class Store:
     occurrences: Layered[Unknown, tuple[Requirement, ...]] = field(default_factory=Layered)
     bounds: Layered[Unknown, Bounds] = field(default_factory=Layered)
     given: Layered[Constraint, None] = field(default_factory=Layered)
+    mentioned: Layered[Unknown, None] = field(default_factory=Layered)
     count: int = 0
 
     @staticmethod

@@ -89,6 +89,11 @@ def unknowns_of(ground: Ground) -> tuple[Unknown, ...]:
     return tuple({part: None for part in parts(ground) if type(part) is Unknown})
 
 
+def is_late(ground: Ground) -> bool:
+    """Whether what a ground depends on shows only as it is worked out."""
+    return any(type(part) is Open and part.operator in ("read", "run") for part in parts(ground))
+
+
 def meaning(ground: Ground) -> Ground:
     """A ground without the name that a generator may be for."""
     while type(ground) is Open and ground.operator == "named":
