@@ -15,7 +15,7 @@ LIMITS: Final = {
     "memory": "the memory limit was reached",
     "draws": "generators may yield more values than were drawn",
     "generator": "a generator ended that is not said to yield every value",
-    "solver": "the solver of constraints does not cover some of them",
+    "solver": "some value has no generator that can be asked for it, and no equation to compute it",
     "commit": "a `commit` kept choices from being tried",
     "recursion": "the reference engine ran out of Python's stack",
 }

@@ -187,8 +187,7 @@ FINISH = f"""{LINE}
 behavior finish(o: Thing):
   goal: done(o)
   body:
-    bind p: float64 where: shelf(p)
-    assert p > 5
+    bind p: float64 where: shelf(p) and p > 5
     do go(o, p)
   eff:
     done[o] = True
@@ -201,6 +200,8 @@ def test_a_complete_generator_proves_that_there_is_no_plan(loads: Loads) -> None
     assert found.status == "unsolvable"
     assert found.explanation is not None
     assert "p > 5" in found.explanation
+    assert "generator `shelves`: 1 call, 3 values, 3 rejected by" in found.explanation
+    assert found.statistics["generators"]["shelves"]["yielded"] == 3
 
 
 def test_one_that_may_leave_values_out_does_not(loads: Loads) -> None:
