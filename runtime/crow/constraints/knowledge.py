@@ -1,5 +1,6 @@
 """What all stores of one world share: its Python, and what was found out about its states."""
 
+from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
 from typing import Any
@@ -43,11 +44,22 @@ class Knowledge:
         """The cells of a state that hold unknowns."""
         found = self._states.get(id(cells))
         if found is None or found[0] is not cells:
+            own = tuple(self._look_for_unknowns(cells))
             if len(self._states) >= _MOST_STATES:
-                self._states, self._resolved = {}, {}
-            own = tuple((c, v) for c, v in cells.items() if has_unknown(v))
+                self._states = {}
             found = self._states[id(cells)] = (cells, own)
         return found[1]
+
+    def _look_for_unknowns(self, cells: Cells) -> Iterator[tuple[Cell, Value]]:
+        """The cells that hold unknowns; of maps above others, each is looked through once."""
+        if not isinstance(cells, ChainMap):
+            yield from ((c, v) for c, v in cells.items() if has_unknown(v))
+            return
+        for depth, part in enumerate(cells.maps):
+            above = cells.maps[:depth]
+            for cell, value in self.open_cells(part):
+                if not any(cell in other for other in above):
+                    yield cell, value
 
     def unknowns_read(self, cells: Cells, reads: frozenset[str] | None) -> Iterator[Unknown]:
         """The unknowns in the cells of some features."""
@@ -65,8 +77,10 @@ class Knowledge:
         key = (id(cells), given)
         found = self._resolved.get(key)
         if found is None or found[0] is not cells:
+            if len(self._resolved) >= _MOST_STATES:
+                self._resolved = {}
             changed = {c: v for (c, _), v in zip(own, given, strict=True)}
-            found = self._resolved[key] = (cells, FixedCells({**cells, **changed}))
+            found = self._resolved[key] = (cells, FixedCells(changed, cells))
         return found[1]
 
 

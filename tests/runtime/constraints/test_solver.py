@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from posed import Posed, posed
 
 from crow.budget import Budget, Stopped
-from crow.calls import FunctionError
+from crow.calls import FixedCells, FunctionError
 from crow.constraints import Store
 from crow.functions import generator
 
@@ -532,3 +532,45 @@ def test_the_solutions_are_those_that_enumeration_finds(texts: list[str]) -> Non
     assert set(rows) <= expected
     # A truth value that does not matter is given in one way; of numbers, nothing is left out.
     assert {row[:3] for row in rows} == {row[:3] for row in expected}
+
+
+# ----------------------------------------------------------------------- what need not be drawn
+
+
+def test_what_follows_is_not_drawn() -> None:
+    """An equation whose unknown nobody else uses: it is computed in the end (App. B.1, rule 3)."""
+    asked: list[float] = []
+    problem = line(
+        "spot(x)\ny == half(x)\nb == (x > 2)\nx > 6", "x, y: float64; b: bool",
+        gen_spot=spots, gen_half=generator(lambda y: iter(asked.append(y) or ())),
+    )  # fmt: skip
+    found = problem.found()
+    assert found == [{"x": x, "y": x / 2, "b": True} for x in (7.0, 8.0, 9.0)]
+    assert not asked
+    assert problem.solutions(most=1_000).is_proved
+
+
+def test_what_is_left_open_has_some_value() -> None:
+    domain = "typedef spot\ntypedef pose: vector[int64, 2]\n"
+    problem = posed(
+        "b: bool; n: int64; p: pose; s: spot", "b or n > 3 or p == [1, 2] or s == s and p != p",
+        domain, objects="a: spot",
+    )  # fmt: skip
+    (first, *_) = problem.found()
+    assert first == {"b": True, "n": 0, "p": (0, 0), "s": "a"}
+
+
+def test_states_above_states_are_looked_through_once() -> None:
+    problem = posed("x: float64", "x > 1", "typedef spot\nfeature height(s: spot) -> float64\n")
+    knowledge = problem.store.knowledge
+    x = problem.unknowns["x"]
+    low = {("height", (f"s{i}",)): float(i) for i in range(5)} | {("height", ("s7",)): x}
+    below, above = dict(low), {("height", ("s2",)): x, ("height", ("s7",)): 3.0}
+    cells = FixedCells(above, below)
+    assert dict(knowledge.open_cells(cells)) == {("height", ("s2",)): x}
+    assert knowledge.open_cells(cells) is knowledge.open_cells(cells)
+    known = knowledge.resolved(cells, {x: 9.0})
+    assert known["height", ("s2",)] == 9.0
+    assert known["height", ("s4",)] == 4.0
+    assert knowledge.resolved(cells, {x: 9.0}) is known
+    assert knowledge.resolved(below, {}) == below
