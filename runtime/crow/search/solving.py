@@ -75,6 +75,7 @@ class Solving:
         self.solver = Solver(world, self.draws)
         self.nothing = Known(Store.of(world), {})
         self.most = 1
+        self._rejected: dict[str, int] = {}
         self._directs: dict[DrawOp, Direct | None] = {}
         self._tests: dict[tuple[Expression, Location | None], Test] = {}
 
@@ -148,10 +149,16 @@ class Solving:
                 after = self.shared.context(context.application, own, context.held)
                 yield point.told(("assert", test, own)).at(rest, after)
             else:
-                self.draws.rejected(found.generator, found.constraint)
+                self._reject(found, stream.key, index)
                 machine.dead.note(point, "nothing that was drawn is like this", test, own)
         if stream.is_limited or not stream.python.is_complete:
             machine.cut_of_values |= GENERATOR
+
+    def _reject(self, found: Direct, key: str, index: int) -> None:
+        """Count a value that is not what it should be, in the first round that draws it."""
+        if index > self._rejected.get(key, 0):
+            self._rejected[key] = index
+            self.draws.rejected(found.generator, found.constraint)
 
     def _each(self, point: Point, bind: "_Bind", stores: Iterator[Store]) -> Iterator[Point]:
         for store in stores:
