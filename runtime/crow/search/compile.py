@@ -39,7 +39,7 @@ from crow.program import (
 )
 from crow.program.names import fresh_name
 from crow.program.types import is_object
-from crow.program.walk import statements_within
+from crow.program.walk import free_variables, statements_within
 from crow.search import code
 from crow.search.binds import candidates
 from crow.search.code import Block, Code, Op, Test, Wanted
@@ -138,16 +138,18 @@ class _Body:
         self.bound: list[tuple[str, int]] = []
         self.loops = 0
         self.unsure: set[int] = set()
+        self.values_bound: set[int] = set()
 
     def compile(self) -> None:
         """Fill the target."""
         target, behavior = self.target, self.target.behavior
         slots: Slots = {p.name: i for i, p in enumerate(behavior.parameters)}
-        target.left, slots = self.block(behavior.left, slots)
         drawn = open_parameters(behavior)
+        own = tuple(slots[p.name] for p in drawn)
+        self.values_bound.update(own)
+        target.left, slots = self.block(behavior.left, slots)
         opening: Block = ()
         if drawn:
-            own = tuple(slots[p.name] for p in drawn)
             opening = (code.DrawOp(own, drawn, None, behavior.location, is_parameter=True),)
         if behavior.promotable is not None:
             target.left = (*opening, *target.left)
@@ -200,7 +202,8 @@ class _Body:
         has_effect = self.target.has_effect
         match node:
             case Assert(condition=condition):
-                return code.AssertOp(self.test(condition, slots, node.location), has_effect)
+                is_held = has_effect and not self.is_of_values(condition, slots)
+                return code.AssertOp(self.test(condition, slots, node.location), is_held)
             case Achieve(condition=condition, once=once):
                 normal = self.programs.conditions.normal(condition)
                 wanted = self.wanted(normal, slots, node.location)
@@ -294,11 +297,16 @@ class _Body:
         own = tuple(range(first, first + len(node.variables)))
         return code.BindOp(own, choices, test, self.target.has_effect, node), inner
 
+    def is_of_values(self, condition: Expression, slots: Slots) -> bool:
+        """Whether a condition is about a value that is bound: it is one of its own time step."""
+        return any(slots[n] in self.values_bound for n in free_variables(condition) if n in slots)
+
     def bind_values(
         self, node: Bind, values: tuple[Parameter, ...], test: Test | None, slots: Slots
     ) -> Op:
         """A bind of values; any objects beside them are each of their type."""
         own = tuple(slots[v.name] for v in values)
+        self.values_bound.update(own)
         drawn = code.DrawOp(own, values, test, node.location)
         objects = tuple(v for v in node.variables if is_object(v.type))
         if not objects:

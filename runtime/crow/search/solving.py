@@ -91,8 +91,10 @@ class Solving:
         assert context is not None
         self.machine.counters.nodes += 1
         if not self._known(point).open and (found := self._direct(op)) is not None:
-            stream = self._stream(point, context, op, found)
-            return Choice(point, self._drawn_directly(point, op, rest, found, stream))
+            inputs = tuple(term(point.state, context.values) for term in found.inputs)
+            if not any(map(has_unknown, inputs)):
+                stream = self._stream(point, op, found, inputs)
+                return Choice(point, self._drawn_directly(point, op, rest, found, stream))
         values, place = context.values, self._place(context, op)
         own = [
             (slot, Unknown(variable.name, variable.type, f"{place}.{variable.name}"))
@@ -119,9 +121,9 @@ class Solving:
             self._directs[op] = direct(op, self.machine.programs)
         return self._directs[op]
 
-    def _stream(self, point: Point, context: Context, op: DrawOp, found: Direct) -> Stream:
-        inputs = tuple(term(point.state, context.values) for term in found.inputs)
-        place, cells = self._place(context, op), point.state.cells
+    def _stream(self, point: Point, op: DrawOp, found: Direct, inputs: tuple[Value, ...]) -> Stream:
+        assert point.context is not None
+        place, cells = self._place(point.context, op), point.state.cells
         return self.draws.stream(found.generator, place, cells, inputs)
 
     def _drawn_directly(
