@@ -25,6 +25,11 @@ class Layered(Mapping[K, V], Generic[K, V]):
         self._above: dict[K, V] = {}
         self._count = len(self._below)
 
+    @property
+    def layers(self) -> tuple[dict[K, V], dict[K, V]]:
+        """The changes, some of them GONE, and what they are above; to be read alone."""
+        return self._above, self._below
+
     def changed(self, changes: Mapping[K, V]) -> "Layered[K, V]":
         """The map with other values for some keys, or none where a value is GONE."""
         if not changes:
@@ -79,17 +84,21 @@ class Layered(Mapping[K, V], Generic[K, V]):
 class Draft(Generic[K, V]):
     """Changes to a map while they are being made."""
 
-    __slots__ = ("before", "changes")
+    __slots__ = ("_above", "_below", "before", "changes")
 
     def __init__(self, before: Layered[K, V]) -> None:
         self.before = before
         self.changes: dict[K, V] = {}
+        self._above, self._below = before.layers
 
     def get(self, key: K, default: Any = None) -> Any:
         """The value of a key, or the default."""
-        found = self.changes.get(key, _ABSENT)
+        # Propagation does this more than anything else: the map below is not asked to do it.
+        found: Any = self.changes.get(key, _ABSENT)
         if found is _ABSENT:
-            return self.before.get(key, default)
+            found = self._above.get(key, _ABSENT)
+            if found is _ABSENT:
+                return self._below.get(key, default)
         return default if found is GONE else found
 
     def __contains__(self, key: K) -> bool:

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from posed import Posed
 
+from benchmarks.sat import Translation
 from crow.constraints import Conflict, Constraint, Store
 from crow.problem import State, World
 from crow.program import BOOL, And, Conditional, Expression, Not, Or, Program, Variable, Xor
@@ -15,49 +16,6 @@ from crow.unknowns import Unknown
 solvers = pytest.importorskip("pysat.solvers", reason="python-sat is not installed")
 
 WORLD = World(Program("booleans"), {})
-Clauses = list[list[int]]
-
-
-class Tseitin:
-    """Formulas as clauses, with a variable for each part: written for this test alone."""
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-        self.clauses: Clauses = []
-
-    def _new(self) -> int:
-        self.count += 1
-        return self.count
-
-    def literal(self, formula: Expression) -> int:
-        match formula:
-            case Variable(name=name):
-                return int(name[1:])
-            case Not(operand=operand):
-                return -self.literal(operand)
-            case And(operands=operands):
-                return -self._either([-self.literal(o) for o in operands])
-            case Or(operands=operands):
-                return self._either([self.literal(o) for o in operands])
-            case Xor(left=left, right=right):
-                return self._chosen(self.literal(left), -(own := self.literal(right)), own)
-            case Conditional():
-                parts = formula.condition, formula.then, formula.otherwise
-                return self._chosen(*map(self.literal, parts))
-            case _:
-                raise AssertionError(formula)
-
-    def _either(self, literals: list[int]) -> int:
-        own = self._new()
-        self.clauses += [[-own, *literals], *([own, -literal] for literal in literals)]
-        return own
-
-    def _chosen(self, condition: int, then: int, otherwise: int) -> int:
-        own = self._new()
-        for sign in (1, -1):
-            self.clauses += [[-condition, -sign * own, sign * then]]
-            self.clauses += [[condition, -sign * own, sign * otherwise]]
-        return own
 
 
 def variable(number: int) -> Variable:
@@ -73,7 +31,7 @@ def compare(formulas: Sequence[Expression], count: int, *, has_core: bool = True
     unknowns = {f"x{i}": Unknown(f"x{i}", BOOL) for i in range(1, count + 1)}
     constraints = tuple(Constraint(f, unknowns, State()) for f in formulas)
     problem = Posed(WORLD, State(), unknowns, constraints)
-    translation = Tseitin(count)
+    translation = Translation(count)
     roots = [[translation.literal(formula)] for formula in formulas]
     with solvers.Cadical153(bootstrap_with=translation.clauses + roots) as sat:
         expected = bool(sat.solve())
@@ -96,7 +54,7 @@ def compare(formulas: Sequence[Expression], count: int, *, has_core: bool = True
 
 
 def check_core(
-    core: Sequence[Constraint], translation: Tseitin, constraints: Sequence[Constraint]
+    core: Sequence[Constraint], translation: Translation, constraints: Sequence[Constraint]
 ) -> None:
     """A core is part of the constraints, and cannot be met by itself."""
     assert set(core) <= set(constraints)
@@ -120,13 +78,11 @@ formulas = st.recursive(
 )
 
 
-@settings(max_examples=300)
 @given(st.lists(clauses, min_size=20, max_size=50))
 def test_random_3_sat_has_the_answers_of_a_sat_solver(found: list[Expression]) -> None:
     compare(found, 9, has_core=False)
 
 
-@settings(max_examples=300)
 @given(st.lists(formulas, min_size=1, max_size=9))
 def test_nested_formulas_have_the_answers_of_a_sat_solver(found: list[Expression]) -> None:
     compare(found, 9)
