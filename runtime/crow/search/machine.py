@@ -158,13 +158,19 @@ class Machine:
             except Undecided as undecided:
                 return self.solving.decide(point, undecided)
             except Touched:
-                step = self.solving.compute(point)
+                step = self._computed(point)
             if not isinstance(step, Point):
                 return step
             point = step
         if point.constraints is not None and point.constraints.open:
             return self.solving.solve(point)
         return point
+
+    def _computed(self, point: Point) -> Step:
+        try:
+            return self.solving.compute(point)
+        except EvaluationError as error:
+            return self._without_value(point, error)
 
     @property
     def draws_values(self) -> bool:

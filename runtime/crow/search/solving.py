@@ -20,6 +20,7 @@ from crow.program import (
     Expression,
     Feature,
     Location,
+    ObjectType,
     Statement,
     Type,
     Variable,
@@ -197,7 +198,7 @@ class Solving:
         known = self._known(point)
         found = known.store.having(constraint_of(test, point.state, values))
         if isinstance(found, Conflict):
-            self.machine.dead.note(point, _told(found), test, values, "a conflict")
+            self.machine.dead.note(point, found.reason, test, values, "a conflict")
             return None
         return point._replace(constraints=Known(found, known.decided))
 
@@ -291,14 +292,21 @@ class Solving:
     def _equation(
         self, known: Known, value: Expression, type_: Type, names: Mapping[str, Value], state: State
     ) -> tuple[Unknown, Known]:
-        """An unknown that is what an expression computes in a state."""
+        """An unknown that is what an expression computes in a state.
+
+        Raises EvaluationError where the constraints leave it none, and for an object: what reads
+        features of it would have to know which.
+        """
         where = value.location
+        if isinstance(type_, ObjectType):
+            self.give_up()
+            raise EvaluationError(f"`{expression_text(value)}` depends on what is not known", where)
         place = "" if where is None else f"{where.line}:{where.column}"
         unknown = Unknown(expression_text(value), type_, f"computed/{place}")
         constraint = Constraint(value, names, state, defined=unknown)
         found = known.store.having(constraint)
         if isinstance(found, Conflict):
-            raise EvaluationError(_told(found), where)
+            raise EvaluationError(found.reason, where)
         return unknown, Known(found, known.decided)
 
     def effect(
@@ -405,7 +413,7 @@ class _Asked:
         """Add a constraint. Raises EvaluationError where it cannot be true."""
         found = self.known.store.having(constraint)
         if isinstance(found, Conflict):
-            raise EvaluationError(_told(found), constraint.place)
+            raise EvaluationError(found.reason, constraint.place)
         self.known = Known(found, self.known.decided)
 
 
@@ -415,8 +423,3 @@ def _never(_state: Snapshot, _values: Environment) -> bool:
 
 def _constant(value: Value) -> Compiled:
     return lambda _state, _values: value
-
-
-def _told(conflict: Conflict) -> str:
-    """What a conflict says in one line."""
-    return f"{conflict.reason}: " + ", ".join(f"`{c.text}`" for c in conflict.core)

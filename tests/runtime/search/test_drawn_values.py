@@ -284,6 +284,33 @@ behavior finish(o: Thing):
     assert "`p`" in found.explanation
 
 
+def test_what_is_computed_from_a_value_that_is_not_known_has_to_be_possible(loads: Loads) -> None:
+    body = "bind p: float64\n    assert p > 2 and p < 1\n    let q = p + 1\n    do go(o, q)"
+    text = f"{LINE}\nbehavior finish(o: Thing):\n  goal: done(o)\n  body:\n    {body}\n"
+    found = crow.plan(loads(f"{text}  eff:\n    done[o] = True\n", "done(a)", SHELVES, START))
+    assert isinstance(found, crow.Unsolvable | crow.LimitReached)
+
+
+def test_an_object_that_depends_on_what_is_not_known(loads: Loads) -> None:
+    """It is not said that there is no plan: the solver does not choose among objects here."""
+    text = f"""{LINE}
+def nearest(p: float64) -> Thing
+behavior finish(o: Thing):
+  goal: done(o)
+  body:
+    bind p: float64
+    let x = nearest(p)
+    assert pos(x) == 0
+    do go(x, p)
+  eff:
+    done[o] = True
+"""
+    functions = {**SHELVES, "nearest": lambda _: "a"}
+    found = crow.plan(loads(text, "done(a)", functions, START), time_limit=20)
+    assert isinstance(found, crow.LimitReached)
+    assert found.limits == ("solver",)
+
+
 @pytest.mark.parametrize("engine", ["best", "reference"])
 def test_engines_of_objects_say_that_they_draw_no_values(loads: Loads, engine: str) -> None:
     with pytest.raises(crow.NotPlannable, match="bind p"):
