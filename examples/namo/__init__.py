@@ -7,6 +7,26 @@
 Programs are in *.cdl, their functions and generators in world.py, maps in maps/.
 """
 
-from .maps import MAPS, STRATEGIES, Strategy, map_text, problem
+from .maps import MAPS, STRATEGIES, MapError, Strategy, problem, rows_of
+from .render import picture, watch
+from .robot import PushedBack, Robot
+from .rooms import corridor, suite
+from .scenes import CollisionError, Scene, scenes
 
-__all__ = ["MAPS", "STRATEGIES", "Strategy", "map_text", "problem"]
+__all__ = [
+    "MAPS",
+    "STRATEGIES",
+    "Strategy",
+    "MapError",
+    "problem",
+    "rows_of",
+    "Scene",
+    "scenes",
+    "CollisionError",
+    "picture",
+    "watch",
+    "Robot",
+    "PushedBack",
+    "suite",
+    "corridor",
+]

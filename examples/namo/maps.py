@@ -57,7 +57,9 @@ def rows_of(of: str) -> tuple[str, ...]:
     if len({len(row) for row in rows}) != 1:
         raise MapError("the rows of a map are equally long")
     if wrong := re.search(r"[^#.SGa-z]", "".join(rows)):
-        raise MapError(f"`{wrong[0]}` stands for nothing on a map; `#.SG` and lower-case letters do")
+        raise MapError(
+            f"`{wrong[0]}` stands for nothing on a map; `#.SG` and lower-case letters do"
+        )
     for mark, what in {"S": "start", "G": "goal"}.items():
         if text.count(mark) != 1:
             raise MapError(f"a map has one {what}, `{mark}`, not {text.count(mark)}")

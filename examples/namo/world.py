@@ -214,7 +214,9 @@ def connect(state: "StateView", a: Cell, b: Cell, t: Trajectory) -> bool:
 
 
 @crow.generator(complete=True)
-def paths(state: "StateView", a: Cell, b: Cell, *, rng: np.random.Generator) -> Iterator[Trajectory]:
+def paths(
+    state: "StateView", a: Cell, b: Cell, *, rng: np.random.Generator
+) -> Iterator[Trajectory]:
     """Every simple path, the shortest first; which of equal ones comes first is left to chance."""
     world = map_of(state.grid())
     if not is_in(b, world.reach(a, world.open)):
@@ -357,4 +359,3 @@ def places_for(
 ) -> Iterator[Cell]:
     """All places for an obstacle off a trajectory."""
     yield from shuffled(free_places(state, o, t), rng)
-
