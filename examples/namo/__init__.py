@@ -7,7 +7,7 @@
 Programs are in *.cdl, their functions and generators in world.py, maps in maps/.
 """
 
-from .maps import MAPS, STRATEGIES, MapError, Strategy, problem, rows_of
+from .problems import MAPS, STRATEGIES, MapError, Strategy, problem, rows_of
 from .render import picture, watch
 from .robot import PushedBack, Robot
 from .rooms import corridor, suite

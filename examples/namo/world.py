@@ -96,16 +96,15 @@ class Map:
 
     def has(self, cell: Cell) -> bool:
         """Whether there is such a cell."""
-        rows, columns = self.open.shape
-        return 0 <= cell[0] < rows and 0 <= cell[1] < columns
+        return 0 <= cell[0] < len(self.rows) and 0 <= cell[1] < len(self.rows[0])
 
     def number(self, cell: Cell) -> int:
         """The number of a cell, row by row."""
-        return cell[0] * self.open.shape[1] + cell[1]
+        return cell[0] * len(self.rows[0]) + cell[1]
 
     def cell(self, number: int) -> Cell:
         """The cell of a number."""
-        row, column = divmod(int(number), self.open.shape[1])
+        row, column = divmod(int(number), len(self.rows[0]))
         return row, column
 
     def without(self, cells: Iterable[Cell]) -> Mask:

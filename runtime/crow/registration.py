@@ -37,6 +37,7 @@ def registered(program: Program, given: object) -> Registered:
     binding = _Binding(program)
     for one in collected(given).given:
         binding.take(one)
+    binding.tell_undeclared()
     if binding.mistakes:
         told = "\n".join(
             m.message if m.help is None else f"{m.message}; {m.help}" for m in binding.mistakes
@@ -67,6 +68,7 @@ class _Binding:
     def __init__(self, program: Program) -> None:
         self.program = program
         self.mistakes: list[Mistake] = []
+        self.undeclared: list[tuple[Given, Kind]] = []
         self.found: dict[Kind, dict[str, Registration]] = {k: {} for k in get_args(Kind)}
         self.declared: dict[Kind, dict[str, _Declared]] = {
             "function": {f.name: f for f in program.functions if f.body is None},
@@ -83,7 +85,7 @@ class _Binding:
         declared = self.declared[mark.kind].get(given.name)
         if declared is None:
             if given.is_meant:
-                self._undeclared(given.name, mark.kind)
+                self.undeclared.append((given, mark.kind))
             return
         if given.name in self.found[mark.kind]:
             if given.is_meant:
@@ -105,8 +107,23 @@ class _Binding:
                 "decorate it with `@crow.effect` or `@crow.controller`",
             )
         elif given.is_meant:
-            self._undeclared(given.name, "function")
+            self.undeclared.append((given, "function"))
         return None
+
+    def tell_undeclared(self) -> None:
+        """Note what the program does not declare, once everything was taken.
+
+        A module or object may serve several programs: what is decorated in it and not declared is a
+        mistake only if something of that kind is missing, which it was perhaps meant to be.
+        """
+        for kind in get_args(Kind):
+            given = [one for one, its_kind in self.undeclared if its_kind == kind]
+            missing = list(self.declared[kind].keys() - self.found[kind].keys())
+            likely = [one for one in given if get_close_matches(one.name, missing, 1)]
+            for one in given:
+                is_other = any(one.name == d.name for d in _definitions(self.program))
+                if one.is_named or is_other or one in (likely or (given if missing else [])):
+                    self._undeclared(one.name, kind)
 
     def _undeclared(self, name: str, kind: Kind) -> None:
         declared = {d.name: d for d in _definitions(self.program)}

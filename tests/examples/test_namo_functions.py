@@ -5,14 +5,14 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from examples import namo
-from examples.namo import world
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from namo_enumeration import SIDES, Cells, Maze, beside, flooded, shifted
 
 from crow.problem import Problem
 from crow.views import StateView
+from examples import namo
+from examples.namo import world
 
 Cell = tuple[int, int]
 
@@ -194,7 +194,9 @@ def test_a_path_to_where_one_is_stays_there() -> None:
 def test_what_is_no_path_does_not_connect(t: tuple[Cell, ...]) -> None:
     setting = Setting("S.G\n###")
     assert not world.connect(setting.state, (0, 0), (0, 2), t)
-    assert not world.collision_free_connect(setting.state, (0, 0), (0, 2), t) or len(set(t)) < len(t)
+    assert not world.collision_free_connect(setting.state, (0, 0), (0, 2), t) or len(set(t)) < len(
+        t
+    )
 
 
 @given(maps())

@@ -44,8 +44,8 @@ def problem(of: str, strategy: Strategy = "interleaved", *, name: str = "namo") 
             "agent_position": marks["S"],
             **{("position", (o,)): marks[o] for o in obstacles},
         },
-        goal="at(g)",
-        values={"g": marks["G"]},
+        goal="at(goal)",
+        values={"goal": marks["G"]},
         name=of if of in MAPS else name,
     )
 
