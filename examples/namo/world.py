@@ -4,8 +4,9 @@ A cell is (row, column) from the top left, a trajectory the cells of the agent i
 text: `#` is a wall, a lower-case letter a cell of the obstacle of that name, which is rigid; its
 position is that of its first cell. All that changes is in the state that each function is given.
 
-Generators yield each solution once, in random order; `paths` the shortest first, and `ways` and
-`ways_with_object` one way only, as any other leads to the same state (docs/decisions/0021-namo.md).
+Generators yield tuples of outputs, of which each has one: each solution once, in random order;
+`paths` the shortest first, and `ways` and `ways_with_object` one only, as any other leads to the same
+state (docs/decisions/0021-namo.md).
 """
 
 from collections.abc import Container, Iterable, Iterator
@@ -186,9 +187,10 @@ def goes(t: Trajectory, a: Cell, b: Cell, free: Mask) -> bool:
     return joins and all(is_in(c, free) for c in t) and all(is_beside(p, q) for p, q in pairwise(t))
 
 
-def shuffled(cells: Mask, rng: np.random.Generator) -> Iterator[Cell]:
-    """The cells that are true, in random order."""
-    yield from map(tuple, rng.permutation(np.argwhere(cells)).tolist())
+def shuffled(cells: Mask, rng: np.random.Generator) -> Iterator[tuple[Cell]]:
+    """The cells that are true, in random order, each as the one output of a generator."""
+    for row, column in rng.permutation(np.argwhere(cells)).tolist():
+        yield ((row, column),)
 
 
 # ----------------------------------------------------------------------------------- trajectories
@@ -215,7 +217,7 @@ def connect(state: "StateView", a: Cell, b: Cell, t: Trajectory) -> bool:
 @crow.generator(complete=True)
 def paths(
     state: "StateView", a: Cell, b: Cell, *, rng: np.random.Generator
-) -> Iterator[Trajectory]:
+) -> Iterator[tuple[Trajectory]]:
     """Every simple path, the shortest first; which of equal ones comes first is left to chance."""
     world = map_of(state.grid())
     if not is_in(b, world.reach(a, world.open)):
@@ -224,7 +226,7 @@ def paths(
     graph.add_node(world.number(a))
     graph.add_edges_from(rng.permuted(rng.permutation(world.neighbours, axis=1), axis=0).T.tolist())
     for path in networkx.shortest_simple_paths(graph, world.number(a), world.number(b)):
-        yield tuple(map(world.cell, path))
+        yield (tuple(map(world.cell, path)),)
 
 
 @crow.function
@@ -240,11 +242,11 @@ def collision_free_connect(state: "StateView", a: Cell, b: Cell, t: Trajectory) 
 
 
 @crow.generator(complete=True)
-def ways(state: "StateView", a: Cell, b: Cell) -> Iterator[Trajectory]:
+def ways(state: "StateView", a: Cell, b: Cell) -> Iterator[tuple[Trajectory]]:
     """A shortest way of the agent past walls and obstacles."""
     way = map_of(state.grid()).way(a, b, free_cells(state))
     if way is not None:
-        yield way
+        yield (way,)
 
 
 # ------------------------------------------------------------------------------- attached obstacles
@@ -275,7 +277,7 @@ def collision_free_connect_with_object(state: "StateView", a: Cell, b: Cell, t: 
 
 
 @crow.generator(complete=True)
-def ways_with_object(state: "StateView", a: Cell, b: Cell) -> Iterator[Trajectory]:
+def ways_with_object(state: "StateView", a: Cell, b: Cell) -> Iterator[tuple[Trajectory]]:
     """A shortest way of the agent that takes an attached obstacle from a position to another."""
     if all(state.position(o) != a for o in attached(state)):
         return
@@ -283,7 +285,7 @@ def ways_with_object(state: "StateView", a: Cell, b: Cell) -> Iterator[Trajector
     end = moved([agent], minus(b, a))[0]
     way = map_of(state.grid()).way(agent, end, room_with_object(state))
     if way is not None:
-        yield way
+        yield (way,)
 
 
 # ------------------------------------------------------------------------------------------- places
@@ -301,7 +303,7 @@ def valid_waypoint(state: "StateView", x: Cell) -> bool:
 
 
 @crow.generator(complete=True)
-def waypoints(state: "StateView", *, rng: np.random.Generator) -> Iterator[Cell]:
+def waypoints(state: "StateView", *, rng: np.random.Generator) -> Iterator[tuple[Cell]]:
     """All waypoints."""
     yield from shuffled(good_waypoints(state), rng)
 
@@ -330,7 +332,7 @@ def close_to_object(state: "StateView", o: str, x: Cell) -> bool:
 
 
 @crow.generator(complete=True)
-def places_beside(state: "StateView", o: str, *, rng: np.random.Generator) -> Iterator[Cell]:
+def places_beside(state: "StateView", o: str, *, rng: np.random.Generator) -> Iterator[tuple[Cell]]:
     """All cells beside an obstacle that the agent can go to."""
     yield from shuffled(cells_beside(state, o), rng)
 
@@ -355,6 +357,6 @@ def free_location(state: "StateView", o: str, t: Trajectory, p: Cell) -> bool:
 @crow.generator(complete=True)
 def places_for(
     state: "StateView", o: str, t: Trajectory, *, rng: np.random.Generator
-) -> Iterator[Cell]:
+) -> Iterator[tuple[Cell]]:
     """All places for an obstacle off a trajectory."""
     yield from shuffled(free_places(state, o, t), rng)

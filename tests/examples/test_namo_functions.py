@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import pairwise, product
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from examples import namo
 from examples.namo import world
 
 Cell = tuple[int, int]
+T = TypeVar("T")
 
 
 @st.composite
@@ -78,8 +80,13 @@ def is_way(t: tuple[Cell, ...], free: Cells) -> bool:
     return set(t) <= free and steps <= set(SIDES)
 
 
-def yielded_once(cells: Iterator[Cell]) -> set[Cell]:
-    found = list(cells)
+def yielded(values: Iterator[tuple[T]]) -> Iterator[T]:
+    """What a generator of one output yields."""
+    return (value for (value,) in values)
+
+
+def yielded_once(cells: Iterator[tuple[Cell]]) -> set[Cell]:
+    found = list(yielded(cells))
     assert len(found) == len(set(found))
     return set(found)
 
@@ -112,7 +119,10 @@ def test_places_beside_an_obstacle_are_those_in_reach(text: str) -> None:
 @given(maps(), st.randoms(use_true_random=False))
 def test_places_for_an_obstacle_are_those_it_could_go_to(text: str, chance: object) -> None:
     setting = Setting(text)
-    t = next(world.paths(setting.state, setting.maze.start, setting.maze.goal, rng=random()), None)
+    t = next(
+        yielded(world.paths(setting.state, setting.maze.start, setting.maze.goal, rng=random())),
+        None,
+    )
     assume(t is not None)
     for name, cells in setting.obstacles.items():
         space = setting.free | cells
@@ -134,7 +144,7 @@ def test_places_for_an_obstacle_are_those_it_could_go_to(text: str, chance: obje
 @given(maps())
 def test_blocking_is_to_share_a_cell(text: str) -> None:
     setting = Setting(text)
-    paths = world.paths(setting.state, setting.maze.start, setting.maze.goal, rng=random())
+    paths = yielded(world.paths(setting.state, setting.maze.start, setting.maze.goal, rng=random()))
     for t, _ in zip(paths, range(20), strict=False):
         for name, cells in setting.obstacles.items():
             assert world.blocking(setting.state, name, t) == bool(cells & set(t))
@@ -147,7 +157,7 @@ def test_blocking_is_to_share_a_cell(text: str) -> None:
 def test_paths_are_all_simple_paths_the_shortest_first(text: str, seed: int) -> None:
     setting = Setting(text)
     start, goal = setting.maze.start, setting.maze.goal
-    found = list(world.paths(setting.state, start, goal, rng=random(seed)))
+    found = list(yielded(world.paths(setting.state, start, goal, rng=random(seed))))
     assert all(world.connect(setting.state, start, goal, t) for t in found)
     assert all(is_way(t, setting.maze.open) and len(set(t)) == len(t) for t in found)
     assert [len(t) for t in found] == sorted(len(t) for t in found)
@@ -159,7 +169,7 @@ def test_which_path_comes_first_is_left_to_chance_and_only_that() -> None:
     ends = setting.maze.start, setting.maze.goal
 
     def found(seed: int) -> list[tuple[Cell, ...]]:
-        return list(world.paths(setting.state, *ends, rng=random(seed)))
+        return list(yielded(world.paths(setting.state, *ends, rng=random(seed))))
 
     assert found(1) == found(1)
     assert found(1) != found(2)
@@ -174,9 +184,9 @@ def start_and_end(t: tuple[Cell, ...]) -> tuple[Cell, Cell]:
 
 def test_a_path_to_where_one_is_stays_there() -> None:
     setting = Setting("S.\n.G")
-    assert list(world.paths(setting.state, (0, 0), (0, 0), rng=random())) == [((0, 0),)]
-    assert list(world.paths(setting.state, (0, 0), (0, 9), rng=random())) == []
-    assert list(world.paths(setting.state, (-1, 0), (0, 0), rng=random())) == []
+    assert list(yielded(world.paths(setting.state, (0, 0), (0, 0), rng=random()))) == [((0, 0),)]
+    assert list(yielded(world.paths(setting.state, (0, 0), (0, 9), rng=random()))) == []
+    assert list(yielded(world.paths(setting.state, (-1, 0), (0, 0), rng=random()))) == []
 
 
 @pytest.mark.parametrize(
@@ -205,7 +215,7 @@ def test_ways_are_shortest_and_free(text: str) -> None:
     start = setting.maze.start
     for end in setting.around:
         length = setting.way(setting.free, start, end)
-        found = list(world.ways(setting.state, start, end))
+        found = list(yielded(world.ways(setting.state, start, end)))
         assert [len(t) for t in found] == ([] if length is None else [length])
         for t in found:
             assert start_and_end(t) == (start, end)
@@ -217,7 +227,7 @@ def test_ways_are_shortest_and_free(text: str) -> None:
 def test_other_ways_pass_where_they_are_free(text: str) -> None:
     setting = Setting(text)
     start, goal = setting.maze.start, setting.maze.goal
-    paths = world.paths(setting.state, start, goal, rng=random())
+    paths = yielded(world.paths(setting.state, start, goal, rng=random()))
     for t, _ in zip(paths, range(20), strict=False):
         is_free = world.collision_free_connect(setting.state, start, goal, t)
         assert is_free == (not any(set(t) & cells for cells in setting.obstacles.values()))
@@ -240,7 +250,7 @@ def test_ways_with_an_obstacle_move_both_as_one_body(text: str, data: st.DataObj
     for end in setting.around:
         agent = (start[0] + end[0] - first[0], start[1] + end[1] - first[1])
         length = setting.way(fits, start, agent)
-        found = list(world.ways_with_object(state, first, end))
+        found = list(yielded(world.ways_with_object(state, first, end)))
         assert [len(t) for t in found] == ([] if length is None else [length])
         for t in found:
             assert start_and_end(t) == (start, agent)
@@ -251,10 +261,10 @@ def test_ways_with_an_obstacle_move_both_as_one_body(text: str, data: st.DataObj
 
 def test_nothing_moves_with_an_agent_that_holds_nothing() -> None:
     setting = Setting("Sa.\n..G")
-    assert list(world.ways_with_object(setting.state, (0, 1), (0, 2))) == []
+    assert list(yielded(world.ways_with_object(setting.state, (0, 1), (0, 2)))) == []
     held = view(setting.problem, attached__a=True)
-    assert list(world.ways_with_object(held, (0, 0), (0, 2))) == []  # `a` is not there
-    assert list(world.ways_with_object(held, (0, 1), (0, 2))) == [((0, 0), (0, 1))]
+    assert list(yielded(world.ways_with_object(held, (0, 0), (0, 2)))) == []  # `a` is not there
+    assert list(yielded(world.ways_with_object(held, (0, 1), (0, 2)))) == [((0, 0), (0, 1))]
 
 
 # ----------------------------------------------------------------------------------------- maps
