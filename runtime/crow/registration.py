@@ -1,7 +1,7 @@
 """Python bound to the declarations of one program, with all that does not fit told at once."""
 
 import inspect
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any, Final, assert_never, get_args
@@ -34,10 +34,10 @@ def registered(program: Program, given: object) -> Registered:
         return NOTHING
     if isinstance(given, Registered):
         return given
-    binding = _Binding(program)
-    for one in collected(given).given:
+    taken = collected(given).given
+    binding = _Binding(program, taken)
+    for one in taken:
         binding.take(one)
-    binding.tell_undeclared()
     if binding.mistakes:
         told = "\n".join(
             m.message if m.help is None else f"{m.message}; {m.help}" for m in binding.mistakes
@@ -65,10 +65,10 @@ def _simulated(controller: Controller) -> Simulate:
 class _Binding:
     """What was taken so far for the declarations of one program, and what is wrong with it."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, given: Sequence[Given]) -> None:
         self.program = program
+        self.given = given
         self.mistakes: list[Mistake] = []
-        self.undeclared: list[tuple[Given, Kind]] = []
         self.found: dict[Kind, dict[str, Registration]] = {k: {} for k in get_args(Kind)}
         self.declared: dict[Kind, dict[str, _Declared]] = {
             "function": {f.name: f for f in program.functions if f.body is None},
@@ -84,8 +84,8 @@ class _Binding:
             return
         declared = self.declared[mark.kind].get(given.name)
         if declared is None:
-            if given.is_meant:
-                self.undeclared.append((given, mark.kind))
+            if self._is_mistaken(given, mark.kind):
+                self._undeclared(given.name, mark.kind)
             return
         if given.name in self.found[mark.kind]:
             if given.is_meant:
@@ -107,23 +107,21 @@ class _Binding:
                 "decorate it with `@crow.effect` or `@crow.controller`",
             )
         elif given.is_meant:
-            self.undeclared.append((given, "function"))
+            self._undeclared(given.name, "function")
         return None
 
-    def tell_undeclared(self) -> None:
-        """Note what the program does not declare, once everything was taken.
+    def _is_mistaken(self, given: Given, kind: Kind) -> bool:
+        """Whether something that the program does not declare is a mistake.
 
-        A module or object may serve several programs: what is decorated in it and not declared is a
-        mistake only if something of that kind is missing, which it was perhaps meant to be.
+        A module or object may serve several programs: what is decorated in it is a mistake only if
+        something of its kind is missing that it was perhaps meant to be.
         """
-        for kind in get_args(Kind):
-            given = [one for one, its_kind in self.undeclared if its_kind == kind]
-            missing = list(self.declared[kind].keys() - self.found[kind].keys())
-            likely = [one for one in given if get_close_matches(one.name, missing, 1)]
-            for one in given:
-                is_other = any(one.name == d.name for d in _definitions(self.program))
-                if one.is_named or is_other or one in (likely or (given if missing else [])):
-                    self._undeclared(one.name, kind)
+        if given.is_named or any(given.name == d.name for d in _definitions(self.program)):
+            return given.is_meant
+        missing = list(self.declared[kind].keys() - {one.name for one in self.given})
+        others = [one for one in self.given if one.name not in self.declared[kind]]
+        likely = [one for one in others if get_close_matches(one.name, missing, 1)]
+        return bool(missing) and (given in likely or not likely)
 
     def _undeclared(self, name: str, kind: Kind) -> None:
         declared = {d.name: d for d in _definitions(self.program)}
