@@ -65,8 +65,9 @@ def _row(name: str, strategy: namo.Strategy, seed: int) -> Row:
 
 def samples(figures: dict[str, object]) -> int:
     """How many values were drawn."""
-    found = figures.get("samples")
-    return sum(found.values()) if isinstance(found, dict) else 0
+    generators = figures.get("generators", {})
+    assert isinstance(generators, dict)
+    return sum(one["yielded"] for one in generators.values())
 
 
 def _with_shares(found: list[Row]) -> list[Row]:
