@@ -131,9 +131,10 @@ def test_the_readme_shows_what_commands_print() -> None:
 
 
 def test_the_readme_s_python_runs(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.chdir(ROOT)
+    shutil.copytree(EXAMPLES, tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
     blocks = code_blocks((ROOT / "README.md").read_text())
     script = "\n".join(block for language, block in blocks if language == "python")
     exec(compile(script, "README.md", "exec"), {})
@@ -141,6 +142,8 @@ def test_the_readme_s_python_runs(
     assert "(define (domain blocks)" in printed
     assert "\n4 steps\n" in printed
     assert "given up: a call failed too often: unstack(C, A)" in printed
+    assert re.search(r"^exec_traj \(\(2, 5\), \(", printed, re.MULTILINE)
+    assert (tmp_path / "namo.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_tutorial_s_domain_is_the_example() -> None:

@@ -108,12 +108,11 @@ def strip(
     start: Scene, result: crow.Plan, *, across: int = 4, size: int = SIZE // 2
 ) -> Image.Image:
     """The start, and each walk of a plan with where it ends, in rows of panels."""
-    panels, scene, walked = [drawn(start, size=size)], start, list[Cell]()
+    panels, scene = [drawn(start, size=size)], start
     for step in result.steps:
         *_, scene = (scene, *scene.after(step.controller, step.arguments))
-        if step.controller == "exec_traj":
-            walked = list(step.arguments[0])
-            panels.append(drawn(scene, walked, size))
+        if step.controller == "exec_traj" and len(step.arguments[0]) > 1:
+            panels.append(drawn(scene, step.arguments[0], size))
     width, height, gap = *panels[0].size, size // 2
     rows = -(-len(panels) // across)
     columns = min(across, len(panels))
