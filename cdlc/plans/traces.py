@@ -1,6 +1,6 @@
 """Traces in a plan's JSON, read back so that every item can be replayed (semantics.md §1)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cdlc.diagnostics import Collector
 from cdlc.frontend import syntax
@@ -162,7 +162,15 @@ def typed_value(name: str, value: object, world: World) -> tuple[Value, Type]:
         case str():
             type_ = STRING
         case list() | tuple():
-            type_ = VectorType(FLOAT64, len(value))
+            type_ = VectorType(_element_type(value), len(value))
         case _:
             raise TraceFormatError(f"`{name}` has no value of CDL")
     return read_json(value, type_, world), type_
+
+
+def _element_type(items: Sequence[object]) -> Type:
+    """The type of a vector's elements: whole numbers fit where any number is wanted."""
+    if all(isinstance(item, str) for item in items) and items:
+        return STRING
+    is_whole = all(isinstance(item, int) and not isinstance(item, bool) for item in items)
+    return INT64 if is_whole else FLOAT64
