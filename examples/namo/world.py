@@ -5,8 +5,8 @@ text: `#` is a wall, a lower-case letter a cell of the obstacle of that name, wh
 position is that of its first cell. All that changes is in the state that each function is given.
 
 Generators yield tuples of outputs, of which each has one: each solution once, in random order;
-`paths` the shortest first, and `ways` and `ways_with_object` one only, as any other leads to the same
-state (docs/decisions/0021-namo.md).
+`paths` the shortest first, `ways` and `ways_with_object` one only, as any other leads to the same
+state (docs/decisions/0022-namo.md).
 """
 
 from collections.abc import Container, Iterable, Iterator
