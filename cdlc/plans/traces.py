@@ -14,6 +14,7 @@ from crow.program import (
     BOOL,
     FLOAT64,
     INT64,
+    PYOBJECT,
     STRING,
     Behavior,
     Bind,
@@ -161,6 +162,8 @@ def typed_value(name: str, value: object, world: World) -> tuple[Value, Type]:
             type_ = FLOAT64
         case str():
             type_ = STRING
+        case [list() | tuple(), *_]:
+            type_ = PYOBJECT
         case list() | tuple():
             type_ = VectorType(_element_type(value), len(value))
         case _:
