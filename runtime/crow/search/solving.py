@@ -154,6 +154,8 @@ class Solving:
             else:
                 self._reject(found, stream.key, index)
                 machine.dead.note(point, "nothing that was drawn is like this", test, own)
+        if not seen:
+            machine.dead.note(point, "its generator yields nothing", test, context.values)
         if stream.is_limited or not stream.python.is_complete:
             machine.cut_of_values |= GENERATOR
 

@@ -69,8 +69,8 @@ class Deepening:
 
     def plans(self) -> Iterator[Found | None]:
         """Plans, some more than once; None where the search has paused."""
+        depth = 0
         for number in count():
-            depth = _at_most(number, self.depth_limit)
             draws = _at_most(1 << (number // 2), self.draw_limit)
             self.depth = depth
             yield from self.engine.round(depth, draws)
@@ -79,6 +79,7 @@ class Deepening:
             draws_more = "draws" in self._left_out and draws != self.draw_limit
             if not goes_deeper and not draws_more:
                 return
+            depth += goes_deeper
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""
