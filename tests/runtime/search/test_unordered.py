@@ -1,9 +1,9 @@
 """Unordered groups: what is true already costs no orders."""
 
 import pytest
+from programs import problem_of
 
 import crow
-from programs import problem_of
 
 MANY = """
 typedef Light
