@@ -76,7 +76,7 @@ def _with_shares(found: list[Row]) -> list[Row]:
     solved, rows = 0, []
     for row in by_time:
         solved += row[3] == "plan"
-        rows.append((*row, 100 * solved / len(found) if row[3] == "plan" else "-"))
+        rows.append((*row, 100 * solved / len(found)))
     return rows
 
 

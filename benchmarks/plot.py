@@ -77,6 +77,8 @@ def draw(title: str, columns: tuple[str, ...], rows: Rows, plot: Plot, stem: Pat
             axes.set_yscale("log")
         if plot.scale in ("loglog", "semilogx"):
             axes.set_xscale("log")
+            if plot.panels is not None:  # ticks within one power of ten stand close
+                axes.tick_params(axis="x", which="both", labelsize="x-small", rotation=45)
         else:
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(visible=True, which="major", alpha=0.3)

@@ -2,6 +2,7 @@
 
 import csv
 import importlib
+import re
 from pathlib import Path
 
 import pytest
@@ -62,6 +63,22 @@ def test_lines_of_a_plot_leave_out_what_is_no_figure() -> None:
     ]
     plain = Plot("n", ("ours",), "s")
     assert [line[1] for line in plain.lines(columns, rows)] == [[1, 2, 1]]
+
+
+def test_panels_have_the_rows_of_one_value_each(tmp_path: Path) -> None:
+    rows = (("b", 1, 2.0), ("a", 1, 3.0), ("b", 2, 4.0))
+    plot = Plot("n", ("s",), "seconds", panels="map", scale="semilogx", steps=True)
+    parts = plot.parts(("map", "n", "s"), rows)
+    assert parts == [("b", (rows[0], rows[2])), ("a", (rows[1],))]
+    assert Plot("n", ("s",), "seconds").parts(("map", "n", "s"), rows) == [("", rows)]
+    pytest.importorskip("matplotlib")
+    Table("some", ("map", "n", "s"), rows, "", (plot,)).write(tmp_path)
+    assert {"some: a", "some: b"} <= set(svg_titles(tmp_path / "some.svg"))
+
+
+def svg_titles(file: Path) -> list[str]:
+    """What matplotlib notes of each text that it draws."""
+    return re.findall(r"<!-- (.*?) -->", file.read_text())
 
 
 def test_plots_are_images_and_nothing_is_left_beside_them(tmp_path: Path) -> None:
