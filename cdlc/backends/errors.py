@@ -219,7 +219,7 @@ class WrongFunction(Diagnostic):
         return self.wrong
 
     def label(self) -> str:
-        return "declared here"
+        return "this one"
 
     def help(self) -> tuple[Help, ...]:
         return () if self.cure is None else (Help(self.cure),)

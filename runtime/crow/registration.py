@@ -18,7 +18,7 @@ from crow.functions import (
     Registration,
     collected,
 )
-from crow.program import Controller, Function, Generator, Program, Simulate, Variable
+from crow.program import Controller, Function, Generator, Location, Program, Simulate, Variable
 from crow.program.dependencies import declared_reads, generator_reads
 
 _Declared = Function | Generator | Controller
@@ -85,7 +85,7 @@ class _Binding:
         declared = self.declared[mark.kind].get(given.name)
         if declared is None:
             if self._is_mistaken(given, mark.kind):
-                self._undeclared(given.name, mark.kind)
+                self._undeclared(given, mark.kind)
             return
         if given.name in self.found[mark.kind]:
             if given.is_meant:
@@ -107,7 +107,7 @@ class _Binding:
                 "decorate it with `@crow.effect` or `@crow.controller`",
             )
         elif given.is_meant:
-            self._undeclared(given.name, "function")
+            self._undeclared(given, "function")
         return None
 
     def _is_mistaken(self, given: Given, kind: Kind) -> bool:
@@ -123,7 +123,8 @@ class _Binding:
         likely = [one for one in others if get_close_matches(one.name, missing, 1)]
         return bool(missing) and (given in likely or not likely)
 
-    def _undeclared(self, name: str, kind: Kind) -> None:
+    def _undeclared(self, given: Given, kind: Kind) -> None:
+        name = given.name
         declared = {d.name: d for d in _definitions(self.program)}
         other = declared.get(name)
         wanted = _WANTED[kind]
@@ -132,7 +133,8 @@ class _Binding:
             return
         near = get_close_matches(name, list(self.declared[kind]), 1)
         message = f"the program has no {_KINDS[kind]} `{name}`"
-        self._mistake(message, None, f"did you mean `{near[0]}`?" if near else None)
+        help_ = f"did you mean `{near[0]}`?" if near else None
+        self.mistakes.append(Mistake(message, _place(given.call), help_))
 
     def _registration(self, given: Given, mark: Mark, declared: _Declared) -> Registration | None:
         reads: frozenset[str] | None = None
@@ -177,6 +179,14 @@ _WANTED: Final[Mapping[Kind, str]] = {
     "effect": "a controller",
     "controller": "a controller",
 }
+
+
+def _place(python: Python) -> Location | None:
+    """Where a Python function is defined; its decorators are a part of it."""
+    code = getattr(inspect.unwrap(python), "__code__", None)
+    if code is None:
+        return None
+    return Location(code.co_filename, code.co_firstlineno, 1, code.co_firstlineno, 1)
 
 
 def _definitions(program: Program) -> Iterator[Any]:
