@@ -1,7 +1,8 @@
 """The pipeline on one page: a Compilation computes each stage once, when it is first asked for."""
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -18,10 +19,10 @@ from cdlc.source import SourceFile
 from crow.program import Location, ProblemStatement, Program
 
 if TYPE_CHECKING:
-    from cdlc.backends.functions import Functions
     from cdlc.backends.hddl import HddlTask
     from cdlc.backends.pddl import PddlTask
     from cdlc.ir.hoare import Model
+    from crow.functions import Registered
     from crow.problem import Problem
     from crow.program.triples import Triple
 
@@ -61,7 +62,8 @@ class Compilation:
     level: Level = Level.BASIC
     axioms: bool = False
     enumerates: bool = False
-    functions: "Functions | None" = None
+    functions: object = None
+    """Python for external functions: a module, a file, a mapping or an object."""
 
     @cached_property
     def files(self) -> Files:
@@ -102,28 +104,50 @@ class Compilation:
         return checked.problem if isinstance(checked, CheckedProblem) else None
 
     @cached_property
+    def registered(self) -> "Registered":
+        """The Python of the program. Raises crow.FunctionsError for what cannot be run."""
+        from cdlc.backends.functions import checked
+
+        registered = checked(self.program, self.functions, self.found)
+        self._stop_at_errors()
+        assert registered is not None
+        return registered
+
+    @cached_property
     def problem(self) -> "Problem":
         """The problem with its initial state computed, ready to plan or to replay in."""
         from cdlc.backends.crow import to_runtime
+        from cdlc.backends.functions import tabulated_problem
 
         assert self.statement is not None
-        problem = to_runtime(self.program, self.statement, self.found)
-        if problem is not None and self.functions:
-            from cdlc.backends.functions import tabulated_problem
-
-            problem = tabulated_problem(problem, self.tabulated, self.functions, self.found)
+        with self.reporting():
+            problem = to_runtime(self.program, self.statement, self.found, self.registered)
+            if problem is not None and self.tabulated is not self.program:
+                problem = tabulated_problem(problem)
         self._stop_at_errors()
         assert problem is not None
         return problem
 
+    @contextmanager
+    def reporting(self) -> "Iterator[None]":
+        """Raise CompileError where Python of the user fails in what is done within."""
+        from crow.calls import FunctionError
+
+        try:
+            yield
+        except FunctionError as error:
+            from cdlc.backends.functions import failed
+
+            raise CompileError((*self.found.sorted(), failed(error)), self.sources) from None
+
     @cached_property
     def tabulated(self) -> Program:
         """The program, external functions of objects that are given in Python as features."""
-        if not self.functions:
+        if self.functions is None:
             return self.program
         from cdlc.backends.functions import tabulated
 
-        return tabulated(self.program, self.functions)
+        return tabulated(self.program, self.registered)
 
     @cached_property
     def plannable(self) -> "Problem":

@@ -11,7 +11,6 @@ from crow.program import Expression, ProblemStatement, Program
 if TYPE_CHECKING:
     from unified_planning.model import Problem as UpProblem
 
-    from cdlc.backends.functions import Functions
     from cdlc.backends.hddl import HddlTask
     from cdlc.backends.pddl import PddlTask
     from crow.domain import Domain
@@ -103,24 +102,26 @@ class Compiled:
         return to_up(self._compilation.pddl)
 
 
-def load(path: Path, functions: "Functions | None" = None) -> "Domain":
+def load(path: Path, functions: object = None) -> "Domain":
     """A domain to state problems for in Python, as `crow.Problem` takes it.
 
-    `functions` is the Python of external functions by name. Raises CompileError, which holds every
-    diagnostic, if there are errors.
+    `functions` is the Python of external functions: a module, a file, a mapping from names, or an
+    object with decorated methods. Raises CompileError, which holds every diagnostic, if there are
+    errors, and crow.FunctionsError for Python that cannot be run.
     """
     from cdlc.plans.stated import Text
     from crow.domain import Domain
 
     compilation = driver.compilation([fspath(path)])
-    return Domain(compilation.program, Text(compilation.domain, functions))
+    compilation.functions = functions
+    return Domain(compilation.program, Text(compilation.domain), compilation.registered)
 
 
-def load_problem(path: Path, functions: "Functions | None" = None) -> "Problem":
+def load_problem(path: Path, functions: object = None) -> "Problem":
     """The problem of a CDL file, with the domain that it names.
 
-    `functions` is the Python of external functions by name. Raises CompileError, which holds every
-    diagnostic, if there are errors or the file states no problem.
+    `functions` is as for `load`. Raises CompileError, which holds every diagnostic, if there are
+    errors or the file states no problem, and crow.FunctionsError for Python that cannot be run.
     """
     compilation = driver.problem_compilation([fspath(path)])
     compilation.functions = functions
@@ -138,12 +139,13 @@ def check(path: Path) -> tuple[Diagnostic, ...]:
 
 
 def compile(  # noqa: A001 - the natural name
-    domain: Path, problem: Path | None = None, functions: "Functions | None" = None
+    domain: Path, problem: Path | None = None, functions: object = None
 ) -> Compiled:
     """Compile a domain or problem file, or a problem with another domain than it names.
 
-    `functions` is the Python of external functions by name. Raises CompileError, which holds every
-    diagnostic, if there are errors.
+    `functions` is the Python of external functions: a module, a file, a mapping from names, or an
+    object with decorated methods. Raises CompileError, which holds every diagnostic, if there are
+    errors, and crow.FunctionsError for Python that cannot be run.
     """
     files = [fspath(domain)] + ([] if problem is None else [fspath(problem)])
     compilation = driver.compilation(files)

@@ -178,21 +178,51 @@ class UnsetInPddl(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class FunctionFailed(Diagnostic):
-    """An external function whose Python, given with `--functions`, has no truth value.
+    """Python, given with `--functions`, that raised, or gave what is no value of its type.
 
         def near(a: place, b: place) -> bool      # def near(a, b): return distance[a, b] < 3
 
-    It is called once for each tuple of objects, with their names, and has to return True or False.
+    It gets objects as their names, vectors as tuples and numbers as they are, and has to return a
+    value of the type that is declared: of `bool` True or False, of a vector a tuple, list or numpy
+    array of its length, of a number one that is finite. What it raises is shown as Python shows it.
     """
 
     call: str
     reason: str
+    traceback: str = ""
 
     def message(self) -> str:
         return f"`{self.call}` {self.reason}"
 
     def label(self) -> str:
+        return "its Python failed"
+
+    def notes(self) -> tuple[str, ...]:
+        return (self.traceback.rstrip(),) if self.traceback else ()
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class WrongFunction(Diagnostic):
+    """Python, given with `--functions`, that does not fit the program.
+
+        def near(a: place, b: place) -> bool      # def near(a): ...
+
+    Functions are called by their names with as many values as the program declares, after the state
+    where `[[reads=…]]` says that it is read. What is decorated (`@crow.function`,
+    `@crow.generator`, `@crow.effect`, `@crow.controller`) has to be declared in the program.
+    """
+
+    wrong: str
+    cure: str | None
+
+    def message(self) -> str:
+        return self.wrong
+
+    def label(self) -> str:
         return "declared here"
+
+    def help(self) -> tuple[Help, ...]:
+        return () if self.cure is None else (Help(self.cure),)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)

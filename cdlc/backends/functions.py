@@ -4,35 +4,43 @@ A function of objects that does not read the state has one value for each tuple 
 once, these are facts like any others: to PDDL, to the interpreter and to the replayer.
 """
 
-import runpy
-from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from cdlc.backends.errors import FunctionFailed
+from cdlc.backends.errors import FunctionFailed, WrongFunction
 from cdlc.diagnostics import Collector
-from crow.evaluate import shown_cell
-from crow.problem import Cell, Problem, State, World
+from crow.calls import FunctionError
+from crow.externals import ExternalFunction
+from crow.functions import FunctionsError, Registered
+from crow.problem import Cell, Problem, State
 from crow.program import Apply, Feature, Function, Location, Program, Read
 from crow.program.location import Node
 from crow.program.types import is_boolean, is_object
-
-Functions = Mapping[str, Callable[..., Any]]
-
-
-class FunctionsError(Exception):
-    """A Python file that cannot be run; the message says why."""
+from crow.registration import registered
 
 
-def load_functions(path: str) -> Functions:
-    """The functions of a Python file, by name. Raises FunctionsError."""
+def checked(program: Program, given: object, found: Collector) -> Registered | None:
+    """The Python that is given, bound to a program; None, with diagnostics, if it does not fit.
+
+    Raises crow.FunctionsError for what cannot be run, or gives no functions at all.
+    """
     try:
-        names = runpy.run_path(path, run_name="cdlc_functions")
-    except OSError as error:
-        raise FunctionsError(f"`{path}`: {error.strerror or error}") from error
-    except Exception as error:
-        raise FunctionsError(f"`{path}`: {type(error).__name__}: {error}") from error
-    return {n: f for n, f in names.items() if callable(f) and not n.startswith("_")}
+        return registered(program, given)
+    except FunctionsError as error:
+        if not error.mistakes:
+            raise
+        for mistake in error.mistakes:
+            location = mistake.location or Location(program.name, 1, 1, 1, 1)
+            found.add(WrongFunction(location=location, wrong=mistake.message, cure=mistake.help))
+        return None
+
+
+def failed(error: FunctionError) -> FunctionFailed:
+    """A call of the user's Python that failed, as a diagnostic."""
+    location = error.location or Location("", 1, 1, 1, 1)
+    return FunctionFailed(
+        location=location, call=error.call, reason=error.reason, traceback=error.traceback
+    )
 
 
 def is_static(function: Function) -> bool:
@@ -42,60 +50,47 @@ def is_static(function: Function) -> bool:
     return function.body is None and is_boolean(function.type) and has_objects and not reads
 
 
-def tabulated(program: Program, functions: Functions) -> Program:
+def tabulated(program: Program, given: Registered) -> Program:
     """The program in which static functions that are given are features."""
-    given = {f.name: f for f in program.functions if is_static(f) and f.name in functions}
-    if not given:
+    static = {f.name: f for f in program.functions if is_static(f) and f.name in given.functions}
+    if not static:
         return program
-    rest = tuple(f for f in program.functions if f.name not in given)
-    changed: Program = as_reads(replace(program, functions=rest), frozenset(given))
+    rest = tuple(f for f in program.functions if f.name not in static)
+    changed: Program = as_reads(replace(program, functions=rest), frozenset(static))
     features = tuple(
-        Feature(f.name, f.parameters, f.type, location=f.location) for f in given.values()
+        Feature(f.name, f.parameters, f.type, location=f.location) for f in static.values()
     )
     return replace(changed, features=(*changed.features, *features))
 
 
-def tabulated_problem(
-    problem: Problem, program: Program, functions: Functions, found: Collector
-) -> Problem:
-    """A problem over a tabulated program, the tables in its initial state.
+def tabulated_problem(problem: Problem) -> Problem:
+    """A problem over the tabulated program, the tables in its initial state.
 
-    A function that fails or gives no truth value is reported.
+    Raises crow.FunctionError for a function that fails or gives no truth value.
     """
-    before = problem.world.program
-    static = {f.name: f for f in before.functions} if program is not before else {}
-    world = World(program, problem.world.objects)
+    before = problem.world
+    program = tabulated(before.program, before.registered)
+    names = frozenset(f.name for f in program.features) & before.externals.functions.keys()
+    if not names:
+        return problem
     cells: dict[Cell, object] = dict(problem.initial.cells)
-    for feature in program.features:
-        if feature.name in static:
-            for where in world.cells(feature):
-                if _value(functions[feature.name], feature, where, found):
-                    cells[feature.name, where] = True
-    names = frozenset(static) & {f.name for f in program.features}
+    for name in sorted(names):
+        cells |= _table(problem, before.externals.functions[name])
     return problem.changed(
-        world=world,
+        world=replace(before, program=program),
         initial=State(cells),
         goal=as_reads(problem.goal, names),
         minimize=as_reads(problem.minimize, names),
     )
 
 
-def _value(
-    function: Callable[..., Any], feature: Feature, where: tuple[str, ...], found: Collector
-) -> bool:
-    location = feature.location or Location("", 1, 1, 1, 1)
-    call = shown_cell((feature.name, where))
-    try:
-        value = function(*where)
-    except Exception as error:  # noqa: BLE001 - whatever the user's code raises
-        reason = f"raised {type(error).__name__}: {error}"
-        found.add(FunctionFailed(location=location, call=call, reason=reason))
-        return False
-    if not isinstance(value, bool):
-        reason = f"gave {value!r:.60}, which is no truth value"
-        found.add(FunctionFailed(location=location, call=call, reason=reason))
-        return False
-    return value
+def _table(problem: Problem, function: ExternalFunction) -> dict[Cell, object]:
+    """The true cells of a function as a feature. Raises FunctionError."""
+    declared = function.declared
+    feature = Feature(declared.name, declared.parameters, declared.type)
+    rows = list(problem.world.cells(feature))
+    values = function.values({}, rows, declared.location)
+    return {(declared.name, row): True for row, value in zip(rows, values, strict=True) if value}
 
 
 def as_reads(node: Any, names: frozenset[str]) -> Any:

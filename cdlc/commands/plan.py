@@ -53,7 +53,7 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
     if options.max_memory is not None:
         memory = limited_memory(options.max_memory)
     try:
-        with memory:
+        with memory, compilation.reporting():
             planning, result = _searched(options, compilation)
     except MemoryError:  # before the search, which ends by itself
         return _show_plan(options, OutOfMemory(options.engine, seed=options.seed))
@@ -132,13 +132,14 @@ def _plan_with_pddl(options: argparse.Namespace, compilation: driver.Compilation
     task, problem = compilation.planning_task, compilation.problem
     warn(options, compilation)
     try:
-        result = solve_task(
-            task,
-            problem,
-            options.engine,
-            time_limit=options.time_limit,
-            memory_limit_mb=options.max_memory,
-        )
+        with compilation.reporting():
+            result = solve_task(
+                task,
+                problem,
+                options.engine,
+                time_limit=options.time_limit,
+                memory_limit_mb=options.max_memory,
+            )
     except (EngineError, InvalidPlan) as error:
         print(f"error[{error.code}]: {error}", file=sys.stderr)
         return INPUT_ERRORS

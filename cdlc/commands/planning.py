@@ -31,7 +31,8 @@ def validate(options: argparse.Namespace) -> int:
     _ = compilation.problem
     source = compilation.files.read(plan_file)
     found = compilation.found
-    checked = None if source is None else run(compilation, source, found)
+    with compilation.reporting():
+        checked = None if source is None else run(compilation, source, found)
     report(options, found.sorted(), compilation.sources)
     if found.has_errors or checked is None:
         return INPUT_ERRORS
@@ -52,7 +53,8 @@ def simulate(options: argparse.Namespace) -> int:
     problem = compilation.problem
     warn(options, compilation)
     found = Collector()
-    result = run(problem, options.step, found, compilation.files.sources)
+    with compilation.reporting():
+        result = run(problem, options.step, found, compilation.files.sources)
     report(options, found.sorted(), compilation.sources)
     if options.format == "json":
         print_json(result.json())

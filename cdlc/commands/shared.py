@@ -15,10 +15,10 @@ def with_functions(options: argparse.Namespace, compilation: driver.Compilation)
     """Give a compilation the Python of its functions; False, with a message, if that fails."""
     if options.functions is None:
         return True
-    from cdlc.backends.functions import FunctionsError, load_functions
+    from crow.functions import FunctionsError, collected
 
     try:
-        compilation.functions = load_functions(options.functions)
+        compilation.functions = collected(options.functions)
     except FunctionsError as error:
         print(f"error[cannot-run-functions]: {error}", file=sys.stderr)
         return False

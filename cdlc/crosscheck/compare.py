@@ -14,7 +14,6 @@ from cdlc.crosscheck.space import excluded
 from cdlc.diagnostics import Severity
 
 if TYPE_CHECKING:
-    from cdlc.backends.functions import Functions
     from cdlc.backends.pddl import PddlTask
     from crow.plan import Result
     from crow.problem import Problem
@@ -34,7 +33,7 @@ class Settings:
     time_limit: float = TIME_LIMIT
     node_limit: int | None = None
     axioms: bool = False
-    functions: "Functions | None" = None
+    functions: object = None
 
 
 OnStage = Callable[[str], None]
@@ -72,7 +71,8 @@ def compare(
         return Comparison(file, Outcome.ERROR, "", None, None, (), error.diagnostics, error.sources)
     try:
         problem, task = compilation.plannable, compilation.planning_task
-        compared = _compared(file, task, problem, settings, on_stage)
+        with compilation.reporting():
+            compared = _compared(file, task, problem, settings, on_stage)
     except driver.CompileError as error:
         compared = Comparison(file, Outcome.NOT_COMPARABLE, _first_error(error))
     except EngineMissing:

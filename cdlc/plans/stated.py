@@ -3,9 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from cdlc.diagnostics import Collector
 from cdlc.frontend.check import CheckedDomain
 from cdlc.plans.traces import TraceFormatError, read_condition, read_number, typed_value
 from crow.problem import Problem, World
@@ -15,16 +13,12 @@ from crow.reading import WrongValueError
 from crow.stated import ProblemError
 from crow.values import Value
 
-if TYPE_CHECKING:
-    from cdlc.backends.functions import Functions
-
 
 @dataclass(frozen=True)
 class Text:
-    """What `cdlc.load` attaches to a domain: its declarations, and its functions in Python."""
+    """What `cdlc.load` attaches to a domain: its declarations."""
 
     domain: CheckedDomain
-    functions: "Functions | None" = None
 
     def expression(
         self, text: str, world: World, values: Mapping[str, Value], *, is_number: bool
@@ -44,17 +38,13 @@ class Text:
             raise ProblemError(str(error)) from None
 
     def prepared(self, problem: Problem) -> Problem:
-        """The problem with tables of the Python functions. Raises ProblemError."""
-        if not self.functions:
-            return problem
-        from cdlc.backends.functions import tabulated, tabulated_problem
+        """The problem with tables of the Python functions.
 
-        found = Collector()
-        program = tabulated(self.domain.program, self.functions)
-        made = tabulated_problem(problem, program, self.functions, found)
-        if found.has_errors:
-            raise ProblemError(found.sorted()[0].message())
-        return made
+        Raises crow.FunctionError for one that fails.
+        """
+        from cdlc.backends.functions import tabulated_problem
+
+        return tabulated_problem(problem)
 
 
 def _literal(value: Value, type_: Type) -> Expression:

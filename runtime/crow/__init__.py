@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from crow.budget import Progress
+    from crow.calls import FunctionError
     from crow.domain import Domain, load, load_problem
     from crow.execution import Environment, Execution, execute
+    from crow.functions import FunctionsError, controller, effect, function, generator
     from crow.plan import Result, Step
     from crow.planning import NotPlannable
     from crow.policy import ControllerCall, Done, Policy, Stuck
@@ -42,6 +44,12 @@ __all__ = [
     "Problem",
     "ProblemError",
     "ProgramFormatError",
+    "function",
+    "generator",
+    "effect",
+    "controller",
+    "FunctionsError",
+    "FunctionError",
     "State",
     "World",
     "Result",
@@ -64,6 +72,10 @@ _PLACES = {
     **dict.fromkeys(("execute", "Environment", "Execution"), "crow.execution"),
     "NotPlannable": "crow.planning",
     **dict.fromkeys(("Domain", "load", "load_problem"), "crow.domain"),
+    **dict.fromkeys(
+        ("function", "generator", "effect", "controller", "FunctionsError"), "crow.functions"
+    ),
+    "FunctionError": "crow.calls",
     "ProblemError": "crow.stated",
     "ProgramFormatError": "crow.program.codec",
 }

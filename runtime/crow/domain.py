@@ -7,9 +7,11 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from crow.functions import NOTHING, Registered
 from crow.problem import World
 from crow.program import Expression, Program
 from crow.program.codec import ProgramFormatError, decode_problem, decode_program
+from crow.registration import registered
 from crow.values import Value
 
 if TYPE_CHECKING:
@@ -28,31 +30,39 @@ class Language(Protocol):
         """
 
     def prepared(self, problem: "Problem") -> "Problem":
-        """The problem with what Python functions say about it. Raises crow.ProblemError."""
+        """The problem with what Python functions say about it. Raises crow.FunctionError."""
 
 
 @dataclass(frozen=True, slots=True)
 class Domain:
-    """A program to state problems for; `language` reads goals as text, if a compiler loaded it."""
+    """A program to state problems for; `language` reads goals as text, if a compiler loaded it.
+
+    `functions` is the Python that was given for it.
+    """
 
     program: Program
     language: Language | None = None
+    functions: Registered = NOTHING
 
 
-def load(path: str | PathLike[str]) -> Domain:
+def load(path: str | PathLike[str], functions: object = None) -> Domain:
     """The domain of a compiled program, as `cdlc compile --emit ir` writes it (JSON).
 
     It takes goals as expressions; `cdlc.load` reads CDL, and its domains take goals as text too.
-    Raises OSError, and crow.ProgramFormatError for what is no compiled program.
+    `functions` is the Python of the program: a module, a file, a mapping or an object
+    (`crow.functions`). Raises OSError, crow.ProgramFormatError for what is no compiled program, and
+    crow.FunctionsError for Python that does not fit it.
     """
-    return Domain(decode_program(_document(path)))
+    program = decode_program(_document(path))
+    return Domain(program, functions=registered(program, functions))
 
 
-def load_problem(path: str | PathLike[str]) -> "Problem":
+def load_problem(path: str | PathLike[str], functions: object = None) -> "Problem":
     """The problem that was compiled together with its domain (JSON).
 
-    Raises OSError, crow.ProgramFormatError for what is no compiled problem, and
-    crow.evaluate.EvaluationError when its initial state cannot be computed.
+    `functions` is as for `load`. Raises OSError, crow.ProgramFormatError for what is no compiled
+    problem, crow.FunctionsError for Python that does not fit, and crow.evaluate.EvaluationError or
+    crow.FunctionError when its initial state cannot be computed.
     """
     from crow.problem import Problem
 
@@ -60,7 +70,7 @@ def load_problem(path: str | PathLike[str]) -> "Problem":
     program, statement = decode_program(document), decode_problem(document)
     if statement is None:
         raise ProgramFormatError("a program without a problem; `crow.load` reads it")
-    return Problem.of(program, statement)
+    return Problem.of(program, statement, registered(program, functions))
 
 
 def _document(path: str | PathLike[str]) -> object:

@@ -40,6 +40,7 @@ from crow.program import (
     Read,
     Return,
     SetLocal,
+    Simulate,
     Statement,
     Variable,
     Vector,
@@ -68,8 +69,8 @@ def evaluate(world: World, state: State, expression: Expression, variables: Envi
     """The value of an expression in a state.
 
     Raises EvaluationError for an unset value, a division by zero, a number out of range, or an
-    external function, which needs Python that is not given; crow.unknowns.Touched where the value
-    of an unknown is needed.
+    external function whose Python is not given; FunctionError where that Python fails;
+    crow.unknowns.Touched where the value of an unknown is needed.
     """
     try:
         return _Evaluator(world, state.cells).value(expression, variables)
@@ -263,14 +264,23 @@ class _Evaluator:
     def _apply(self, node: Apply, variables: Environment) -> Value:
         function = self.world.functions[node.function]
         if function.body is None:
-            message = f"the external function `{function.name}` has no Python given for it"
-            raise EvaluationError(message, node.location)
+            return self._external(node, variables)
         inner: dict[str, Value] = {}
         for parameter, argument in zip(function.parameters, node.arguments, strict=True):
             given = self.value(argument, variables)
             inner[parameter.name] = _located(argument.location, converted, given, parameter.type)
         value = self._returned(function.body, inner)
         return _located(node.location, converted, value, function.type)
+
+    def _external(self, node: Apply, variables: Environment) -> Value:
+        function = self.world.externals.functions.get(node.function)
+        if function is None:
+            message = f"the external function `{node.function}` has no Python given for it"
+            raise EvaluationError(message, node.location)
+        arguments = tuple([self.value(a, variables) for a in node.arguments])
+        cells = ChainMap(dict(self.written), _below(self.cells)) if self.written else self.cells
+        location = node.location
+        return _located(location, function.value, cells, arguments, location)
 
     def _returned(self, body: tuple[Statement, ...], variables: dict[str, Value]) -> Value:
         match body:
@@ -402,11 +412,20 @@ class _Run:
                 return Break
             case Continue():
                 return Continue
+            case Simulate():
+                self._simulate(node, variables)
             case Return(value=value):
                 return _Returned(self.evaluator.value(value, variables))
             case _:
                 raise AssertionError(f"{type(node).__name__} in an effect")
         return None
+
+    def _simulate(self, node: Simulate, variables: Environment) -> None:
+        effect = self.world.externals.effects[node.controller]
+        arguments = tuple([self.evaluator.value(a, variables) for a in node.arguments])
+        before = ChainMap(self.written, _below(self.cells))
+        location = node.location
+        self.written.update(_located(location, effect.changes, before, arguments, location))
 
     def _assign(self, node: Assign, variables: Environment) -> None:
         feature = self.world.features[node.feature]

@@ -11,7 +11,6 @@ from crow.evaluate import EvaluationError
 from crow.problem import World
 from crow.program import (
     Apply,
-    Assign,
     Behavior,
     Compare,
     Constant,
@@ -25,9 +24,10 @@ from crow.program import (
     Type,
     Variable,
 )
+from crow.program.dependencies import features_read, features_written
 from crow.program.expressions import ComparisonOperator
 from crow.program.types import BOOL, is_number, underlying
-from crow.program.walk import statements_within, subexpressions
+from crow.program.walk import statements_within
 from crow.values import Value, ValueRangeError, converted
 
 Evaluate = Callable[[Expression], Value]
@@ -166,7 +166,7 @@ class Matching:
 
     def writers(self, wanted: Expression) -> tuple[Behavior, ...]:
         """The behaviors whose effects write a feature that a comparison reads."""
-        read = {p.feature for p in subexpressions(wanted) if isinstance(p, Read)}
+        read = features_read(self.world.program, (wanted,))
         return tuple(b for b in self.world.program.behaviors if self.written[b.name] & read)
 
     @cached_property
@@ -178,9 +178,7 @@ class Matching:
         calls = [s.controller for s in statements_within(behavior.body) if isinstance(s, Do)]
         effects = [behavior.effect, *(self.world.controllers[name].effect for name in calls)]
         for effect in effects:
-            for statement in statements_within(effect or ()):
-                if isinstance(statement, Assign):
-                    yield statement.feature
+            yield from features_written(self.world.program, effect or ())
 
     def applications(
         self, wanted: Expression, evaluate: Evaluate

@@ -6,6 +6,7 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from crow.functions import NOTHING, Registered
 from crow.program import (
     BOOL,
     Constant,
@@ -21,11 +22,13 @@ from crow.program import (
     Type,
 )
 from crow.program.definitions import Behavior
+from crow.registration import with_effects
 from crow.unknowns import is_same
 from crow.values import Value, default_value
 
 if TYPE_CHECKING:
     from crow.domain import Domain
+    from crow.externals import Externals
     from crow.stated import CellName
     from crow.support import Unsupported
 
@@ -35,17 +38,35 @@ TRUE = Constant(value=True, type=BOOL)
 
 @dataclass(frozen=True)
 class World:
-    """What stays the same in every state: the program and the objects, constants first."""
+    """What stays the same in every state: the program and the objects, constants first.
+
+    `registered` is the Python that is given for the program.
+    """
 
     program: Program
     objects: Mapping[str, ObjectType]
+    registered: Registered = NOTHING
 
     @staticmethod
-    def of(program: Program, objects: tuple[Parameter, ...] = ()) -> "World":
+    def of(
+        program: Program, objects: tuple[Parameter, ...] = (), registered: Registered = NOTHING
+    ) -> "World":
         """The world of a program with the objects of one problem."""
         declared = [(c.name, c.type) for c in program.constants]
         declared += [(o.name, o.type) for o in objects]
-        return World(program, {n: t for n, t in declared if isinstance(t, ObjectType)})
+        own = {n: t for n, t in declared if isinstance(t, ObjectType)}
+        return World(with_effects(program, registered), own, registered)
+
+    def __getstate__(self) -> dict[str, object]:
+        # What was found out about a world is not sent along, and Python functions remember much.
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @cached_property
+    def externals(self) -> "Externals":
+        """The Python of the program, ready to be called."""
+        from crow.externals import Externals
+
+        return Externals(self)
 
     @cached_property
     def kept(self) -> dict[str, Any]:
@@ -80,7 +101,7 @@ class World:
         """What the program needs that no engine has, looked for once."""
         from crow.support import unsupported
 
-        return unsupported(self.program)
+        return unsupported(self.program, self.registered.functions.keys())
 
     @cached_property
     def functions(self) -> Mapping[str, Function]:
@@ -173,7 +194,7 @@ class Problem:
         """
         from crow.stated import expression_of, state_of, world_of
 
-        world = world_of(domain.program, objects or {})
+        world = world_of(domain.program, objects or {}, domain.functions)
         given = values or {}
         made = Problem.made(
             name,
@@ -229,14 +250,17 @@ class Problem:
         )
 
     @staticmethod
-    def of(program: Program, statement: ProblemStatement) -> "Problem":
+    def of(
+        program: Program, statement: ProblemStatement, registered: Registered = NOTHING
+    ) -> "Problem":
         """The problem that a problem file states.
 
-        Raises crow.evaluate.EvaluationError when its `init` cannot be computed.
+        Raises crow.evaluate.EvaluationError when its `init` cannot be computed, and
+        crow.FunctionError where Python that it needs fails.
         """
         from crow.evaluate import check_unset, execute
 
-        world = World.of(program, statement.objects)
+        world = World.of(program, statement.objects, registered)
         initial = execute(world, State(), statement.init, {})
         check_unset(world, initial.cells)
         return Problem.made(statement.name, world, initial, statement.goal, statement.minimize)

@@ -6,6 +6,8 @@ from difflib import get_close_matches
 
 from crow.domain import Domain
 from crow.evaluate import EvaluationError, check_bounds, check_unset
+from crow.functions import NOTHING, Registered
+from crow.outside import taken_in
 from crow.problem import Cell, State, World
 from crow.program import Expression, Feature, ObjectType, Parameter, Program
 from crow.reading import WrongValueError, read_json
@@ -21,7 +23,9 @@ class ProblemError(ValueError):
     """A problem that does not fit its domain; the message says what, and often the cure."""
 
 
-def world_of(program: Program, objects: Mapping[str, str]) -> World:
+def world_of(
+    program: Program, objects: Mapping[str, str], registered: Registered = NOTHING
+) -> World:
     """The world of a program with objects by their types. Raises ProblemError."""
     types = {t.name: t for t in program.types}
     known = {constant.name for constant in program.constants}
@@ -34,7 +38,7 @@ def world_of(program: Program, objects: Mapping[str, str]) -> World:
         if name in known:
             raise ProblemError(f"object `{name}` is a constant of the domain already")
         stated.append(Parameter(name, ObjectType(type_)))
-    return World.of(program, tuple(stated))
+    return World.of(program, tuple(stated), registered)
 
 
 def state_of(world: World, init: Mapping[CellName, Value]) -> State:
@@ -45,9 +49,9 @@ def state_of(world: World, init: Mapping[CellName, Value]) -> State:
     """
     cells: dict[Cell, Value] = {}
     for name, value in init.items():
-        feature, cell = _cell(world, name)
+        feature, cell = cell_of(world, name)
         try:
-            own = stored(read_json(value, feature.type, world), feature.type)
+            own = stored(taken_in(value, feature.type, world), feature.type)
             check_bounds(world, cell, own)
         except (WrongValueError, EvaluationError, ArithmeticError) as error:
             raise ProblemError(f"`{_shown(name)}`: {error}") from None
@@ -60,7 +64,11 @@ def state_of(world: World, init: Mapping[CellName, Value]) -> State:
     return State(cells)
 
 
-def _cell(world: World, name: CellName) -> tuple[Feature, Cell]:
+def cell_of(world: World, name: object) -> tuple[Feature, Cell]:
+    """The cell of a name, with its feature; `("on", "a", "b")` is `("on", ("a", "b"))` as well.
+
+    Raises ProblemError.
+    """
     if isinstance(name, str):
         match = _CELL.fullmatch(name)
         if match is None:
@@ -69,7 +77,7 @@ def _cell(world: World, name: CellName) -> tuple[Feature, Cell]:
         arguments = tuple(part.strip() for part in inside.split(",")) if inside else ()
         called = match[1]
     else:
-        called, arguments = name
+        called, arguments = _parts(name)
     feature = world.features.get(called)
     if feature is None:
         raise ProblemError(f"no feature `{called}`{_meant(called, world.features)}")
@@ -83,6 +91,16 @@ def _cell(world: World, name: CellName) -> tuple[Feature, Cell]:
             hint = _meant(argument, error.known)
             raise ProblemError(f"`{_shown(name)}`: {error}{hint}") from None
     return feature, (called, arguments)
+
+
+def _parts(name: object) -> tuple[str, tuple[str, ...]]:
+    match name:
+        case (str(called), tuple(arguments)):
+            return called, arguments
+        case (str(called), *rest):
+            return called, tuple(map(str, rest))
+        case _:
+            raise ProblemError(f"`{name!r:.60}` is no cell, such as `on(a, b)`")
 
 
 def expression_of(
@@ -109,5 +127,8 @@ def _meant(name: str, known: object) -> str:
     return f"; did you mean `{close[0]}`?" if close else ""
 
 
-def _shown(name: CellName) -> str:
-    return name if isinstance(name, str) else f"{name[0]}({', '.join(name[1])})"
+def _shown(name: object) -> str:
+    if isinstance(name, str):
+        return name
+    called, arguments = _parts(name)
+    return f"{called}({', '.join(map(str, arguments))})"

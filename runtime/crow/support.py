@@ -1,5 +1,6 @@
 """What a program needs that the planner does not have: named with its place, before any search."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from crow.conditions import plain
@@ -23,12 +24,15 @@ class Unsupported:
     location: Location | None
 
 
-def unsupported(program: Program) -> Unsupported | None:
-    """The first construct of a program that its planner would have to choose values for."""
+def unsupported(program: Program, given: Collection[str] = ()) -> Unsupported | None:
+    """The first construct of a program that its planner would have to choose values for.
+
+    Of the external functions, those are covered whose Python is `given`.
+    """
     for behavior in program.behaviors:
         if (found := _value_parameter(behavior) or _value_bind(behavior)) is not None:
             return found
-    external = {f.name for f in program.functions if f.body is None}
+    external = {f.name for f in program.functions if f.body is None and f.name not in given}
     bodies = [s for b in program.behaviors for s in (*b.body, *(b.effect or ()))]
     bodies += [s for c in program.controllers for s in c.effect or ()]
     bodies += [s for f in program.functions for s in f.body or ()]
@@ -36,7 +40,10 @@ def unsupported(program: Program) -> Unsupported | None:
         for expression in expressions_of(statement):
             for part in subexpressions(expression):
                 if isinstance(part, Apply) and part.function in external:
-                    return Unsupported(f"the external function `{part.function}`", part.location)
+                    return Unsupported(
+                        f"the external function `{part.function}`, whose Python is not given",
+                        part.location,
+                    )
     return None
 
 

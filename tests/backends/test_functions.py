@@ -78,7 +78,7 @@ def test_plans_are_found_and_replayed_with_it(problem: Path) -> None:
     ("python", "reason"),
     [
         ("def near(a, b): return 1 / 0", "raised ZeroDivisionError: division by zero"),
-        ("def near(a, b): return 3", "gave 3, which is no truth value"),
+        ("def near(a, b): return 3", "gave what does not fit: `3` is no value of type `bool`"),
     ],
 )
 def test_a_function_that_fails_is_reported_where_it_is_declared(
@@ -105,3 +105,18 @@ def test_a_file_that_cannot_be_run_is_an_error(
     assert (ran.status, ran.out) == (1, "")
     assert "error[cannot-run-functions]" in ran.err
     assert said in ran.err
+
+
+def test_every_function_that_does_not_fit_is_reported(problem: Path) -> None:
+    code = "wrong-function"
+    with pytest.raises(library.CompileError) as raised:
+        library.load(
+            problem.parent / "domain.cdl",
+            functions={"near": lambda a: True, "fat": lambda a: True, "walk": print},
+        )
+    found = raised.value.diagnostics
+    assert [d.code for d in found] == [code] * 3
+    assert "`near` is called with 2 values" in str(raised.value)
+    assert "did you mean `far`?" in str(raised.value)
+    assert "`walk` is a controller" in str(raised.value)
+    assert "domain.cdl:5:5" in str(raised.value)

@@ -51,6 +51,7 @@ ELSEWHERE = {
     "line-too-long": "frontend/parsing/test_robustness.py",
     "wrong-file-kind": "frontend/parsing/test_robustness.py",
     "function-failed": "backends/test_functions.py",
+    "wrong-function": "backends/test_functions.py",
     "pddl-syntax": "frontend/pddl/test_import.py",
     "pddl-name": "frontend/pddl/test_import.py",
     "pddl-unsupported": "frontend/pddl/test_import.py",

@@ -84,7 +84,7 @@ class Course:
         """The world with what parts may call."""
         program = self.world.program
         behaviors = (*program.behaviors, *called_effects(program))
-        return World(replace(program, behaviors=behaviors), self.world.objects)
+        return replace(self.world, program=replace(program, behaviors=behaviors))
 
 
 def steps_of(planned: PlannedTransition, applied: Transition) -> list[Step]:

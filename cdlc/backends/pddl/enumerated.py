@@ -14,7 +14,7 @@ from cdlc.backends.pddl.normal import mapped, plain, plain_triple
 from cdlc.backends.pddl.sexpr import NotPddl
 from cdlc.ir.graph import in_order
 from cdlc.ir.hoare import Model
-from crow.problem import Cell, Problem, State, World
+from crow.problem import Cell, Problem, State
 from crow.program import (
     BOOL,
     OBJECT,
@@ -330,7 +330,9 @@ def enumerated(
     goal = enumeration.formula(plain(model.formula(problem.goal), model.pool))
     inside = enumeration.program_model()
     numbers = {c.name: NUMBER for c in inside.program.constants if c.type == NUMBER}
-    world = World(inside.program, {**problem.world.objects, **numbers})
+    world = replace(
+        problem.world, program=inside.program, objects={**problem.world.objects, **numbers}
+    )
     cells = {**dict(_cells(problem, exempt)), **dict(enumeration.table_cells())}
     return inside, made, problem.changed(world=world, goal=goal, initial=State(cells))
 

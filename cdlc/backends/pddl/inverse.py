@@ -139,7 +139,7 @@ class _Search:
     @cached_property
     def world(self) -> World:
         """The world with the features that say which phases are open."""
-        return World(self.task.program, self.problem.world.objects)
+        return replace(self.problem.world, program=self.task.program)
 
     @cached_property
     def own(self) -> frozenset[str]:

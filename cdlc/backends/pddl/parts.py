@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from cdlc.backends.pddl.methods import method_steps
 from cdlc.backends.pddl.phases import Open, called_effects, phases
-from crow.problem import Problem, World
+from crow.problem import Problem
 from crow.program import And, Behavior, Expression, Feature, Not, Program, Quantified
 
 
@@ -63,7 +63,7 @@ def closing(problem: Problem, program: Program, parts: Sequence[Part]) -> Proble
     """The problem in a program with parts; in the end, no phase may be open."""
     if program is problem.world.program:
         return problem
-    world = World(program, problem.world.objects)
+    world = replace(problem.world, program=program)
     closed = [_is_closed(part.gives) for part in parts if part.gives is not None]
     goal = And((problem.goal, *closed)) if closed else problem.goal
     return problem.changed(world=world, goal=goal)

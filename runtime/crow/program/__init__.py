@@ -58,6 +58,7 @@ from crow.program.statements import (
     Let,
     Return,
     SetLocal,
+    Simulate,
     Statement,
 )
 from crow.program.types import (
@@ -111,6 +112,7 @@ __all__ = [
     "Continue",
     "If",
     "Return",
+    "Simulate",
     # expressions
     "Expression",
     "Parameter",

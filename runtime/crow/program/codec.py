@@ -36,7 +36,9 @@ _OTHERS = (
     statements.Annotation,
 )
 NODES: Mapping[str, type] = {
-    cls.__name__: cls for cls in (*(c for union in _UNIONS for c in get_args(union)), *_OTHERS)
+    cls.__name__: cls
+    for cls in (*(c for union in _UNIONS for c in get_args(union)), *_OTHERS)
+    if cls is not statements.Simulate  # it stands for Python, which is given with a program
 }
 
 

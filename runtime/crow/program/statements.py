@@ -145,6 +145,14 @@ class Return(StatementNode):
     value: Expression
 
 
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
+class Simulate(StatementNode):
+    """The effect of a controller as Python computes it (`crow.effect`); no text of CDL says it."""
+
+    controller: str
+    arguments: tuple[Expression, ...]
+
+
 Statement = (
     Let
     | SetLocal
@@ -162,4 +170,5 @@ Statement = (
     | Continue
     | If
     | Return
+    | Simulate
 )

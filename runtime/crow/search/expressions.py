@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from crow.budget import looking
 from crow.evaluate import EvaluationError, evaluate, shown_cell
+from crow.externals import ExternalFunction
 from crow.problem import Cell, State, World
 from crow.program import (
     And,
@@ -149,11 +150,25 @@ class Compiler:
         return f"{test}({self._source(node.body, inner)} {loops})"
 
     def _applied(self, node: Apply, names: Mapping[str, str]) -> str:
-        name = self._function(self.world.functions[node.function])
+        function = self.world.functions[node.function]
+        external = self.world.externals.functions.get(node.function)
+        name = self._function(function) if external is None else self._external(node, external)
         if name is None:
             return self._interpreted(node, names)
         arguments = "".join(f", {self._source(a, names)}" for a in node.arguments)
         return f"{name}(S{arguments})"
+
+    def _external(self, node: Apply, external: ExternalFunction) -> str:
+        """The name of a call of the user's Python, at the place of the node."""
+        location, reads_state = node.location, external.reads is not None
+
+        def call(state: Snapshot, *arguments: Value) -> Value:
+            try:
+                return external.value(state.cells if reads_state else {}, arguments, location)
+            except ArithmeticError as error:
+                raise EvaluationError(str(error), location) from None
+
+        return self._constant(call)
 
     def _function(self, function: Function) -> str | None:
         """The name of a compiled derived function; None for one that the interpreter must run."""

@@ -10,7 +10,7 @@ from math import inf
 
 from crow.evaluate import evaluate
 from crow.problem import Problem
-from crow.program import Assign, Constant, Expression, Read
+from crow.program import Assign, Constant, Expression, Read, Simulate
 from crow.program.types import is_number
 from crow.program.walk import statements_within
 from crow.search.code import (
@@ -195,6 +195,8 @@ def only_grows(problem: Problem) -> bool:
     program = problem.world.program
     bodies = [b.effect or () for b in program.behaviors]
     bodies += [c.effect or () for c in program.controllers]
+    if any(isinstance(s, Simulate) for body in bodies for s in body):
+        return False
     writes = [s for body in bodies for s in statements_within(body) if isinstance(s, Assign)]
     written = {write.feature for write in writes}
     return all(

@@ -1,10 +1,10 @@
 """States of a search: what differs from the initial state, each state one object."""
 
-from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
+from crow.calls import FixedCells
 from crow.problem import Cell, State, World
 from crow.values import Value, default_value
 
@@ -27,7 +27,7 @@ class Snapshot:
     def cells(self) -> Mapping[Cell, object]:
         """All cells, as the interpreter reads them."""
         if self._cells is None:
-            self._cells = ChainMap(self.delta, self.base)
+            self._cells = FixedCells(self.delta, self.base)
         return self._cells
 
 

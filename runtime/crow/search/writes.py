@@ -28,6 +28,7 @@ from crow.program import (
     Or,
     Quantified,
     Read,
+    Simulate,
     Statement,
     Variable,
 )
@@ -124,6 +125,8 @@ class Writers:
         hidden = declared(statements)
         known = {name: value for name, value in names.items() if name not in hidden}
         for statement in statements_within(statements):
+            if isinstance(statement, Simulate):
+                return self.everything
             if isinstance(statement, Assign):
                 arguments = tuple(_known(a, known) for a in statement.arguments)
                 value = statement.value

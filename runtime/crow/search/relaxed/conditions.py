@@ -6,8 +6,6 @@ from itertools import product
 from crow.evaluate import EvaluationError
 from crow.program import (
     And,
-    Apply,
-    Assign,
     Compare,
     Constant,
     Expression,
@@ -19,8 +17,9 @@ from crow.program import (
     Read,
     Variable,
 )
+from crow.program.dependencies import features_read, features_written
 from crow.program.types import BOOL, underlying
-from crow.program.walk import expressions_of, free_variables, statements_within, subexpressions
+from crow.program.walk import free_variables
 from crow.search.compile import Programs
 from crow.search.expressions import Compiled
 from crow.search.relaxed.facts import CellFact, Made, Needs, OpaqueFact, Operator, Task
@@ -53,12 +52,7 @@ class Conditions:
         """The features that any effect writes."""
         program = self.world.program
         effects = [o.effect for o in program.behaviors] + [o.effect for o in program.controllers]
-        return {
-            statement.feature
-            for effect in effects
-            for statement in statements_within(effect or ())
-            if isinstance(statement, Assign)
-        }
+        return {name for effect in effects for name in features_written(program, effect or ())}
 
     def needs(self, condition: Expression, names: Names) -> Needs:
         """The facts that a condition needs; parts with unknown variables are left out."""
@@ -186,21 +180,8 @@ class Conditions:
         if found is None:
             free = tuple(sorted(free_variables(node)))
             slots = {name: index for index, name in enumerate(free)}
-            reads = frozenset(self._reads(node, set()))
+            reads = features_read(self.world.program, (node,))
             found = self._compiled[node] = (
                 self.compiler.expression(node, slots), free, reads,
             )  # fmt: skip
-        return found
-
-    def _reads(self, node: Expression, seen: set[str]) -> set[str]:
-        found: set[str] = set()
-        for part in subexpressions(node):
-            if isinstance(part, Read):
-                found.add(part.feature)
-            elif isinstance(part, Apply) and part.function not in seen:
-                seen.add(part.function)
-                body = self.world.functions[part.function].body or ()
-                for statement in statements_within(body):
-                    for expression in expressions_of(statement):
-                        found |= self._reads(expression, seen)
         return found

@@ -10,7 +10,7 @@ from math import prod
 from typing import Final, NamedTuple
 
 from crow.evaluate import EvaluationError
-from crow.program import Assign, Bind, Read, Statement
+from crow.program import Assign, Bind, Read, Simulate, Statement
 from crow.program.walk import statements_within
 from crow.search.code import (
     AchieveOp,
@@ -320,6 +320,10 @@ class Operators:
                 value = self.conditions.value(statement.value, known) if plain else None
                 certain = id(statement) in top
                 found.append(Write(statement.feature, arguments, value, certain))
+            elif isinstance(statement, Simulate):
+                for feature in self.world.program.features:
+                    unknown = tuple(None for _ in feature.parameters)
+                    found.append(Write(feature.name, unknown, None, is_certain=False))
         return tuple(found)
 
 

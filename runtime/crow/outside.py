@@ -1,0 +1,67 @@
+"""Values on their way out to the user's Python, and back: numpy and lists become values of CDL."""
+
+from crow.problem import World
+from crow.program import PYOBJECT, ListType, Type
+from crow.program.types import underlying
+from crow.reading import WrongValueError, read_json, wrong_value
+from crow.values import Value
+
+
+class Opaque:
+    """A Python value that cannot be hashed, or is None: inside, it is compared by identity."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
+
+def given_out(value: Value) -> Value:
+    """A value as the user's Python gets it."""
+    return value.value if isinstance(value, Opaque) else value
+
+
+def taken_in(value: object, type_: Type, world: World) -> Value:
+    """The value of a type that the user's Python gave.
+
+    Numpy's scalars and arrays, and lists, become numbers and tuples. Raises WrongValueError for
+    another type or shape, a number that is not finite or does not fit, and an object that the
+    problem does not have.
+    """
+    plain = underlying(type_)
+    if plain == PYOBJECT:
+        return _opaque(value)
+    if isinstance(plain, ListType) and underlying(plain.element) == PYOBJECT:
+        if not isinstance(value, list | tuple):
+            raise wrong_value(repr(value), type_)
+        return tuple(map(_opaque, value))
+    try:
+        return read_json(_pure(value), type_, world)
+    except WrongValueError as error:
+        shape = getattr(value, "shape", None)
+        if shape:
+            message = f"an array of shape {shape} is no value of type `{type_}`: {error}"
+            raise WrongValueError(message, error.known) from None
+        raise
+
+
+def _pure(value: object) -> object:
+    """Numbers and lists of Python for those of numpy; told by what they can do, not imported."""
+    if isinstance(value, list | tuple):
+        return tuple(map(_pure, value))
+    if hasattr(value, "dtype") and hasattr(value, "tolist"):
+        return value.tolist()
+    return value
+
+
+def _opaque(value: object) -> Value:
+    if value is None or isinstance(value, Opaque):
+        return value if isinstance(value, Opaque) else Opaque(None)
+    try:
+        hash(value)
+    except TypeError:
+        return Opaque(value)
+    return value
