@@ -73,7 +73,6 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     "cdlc.plans": ("cdlc.plans", "cdlc.backends", "cdlc.ir", "cdlc.frontend"),
     "cdlc.verify": ("cdlc.verify", "cdlc.ir"),
     "cdlc.view": ("cdlc.view", "cdlc.ir"),
-    "cdlc.limits": (),
     "cdlc.progress": (),
     "cdlc.editors": ("cdlc.editors", "cdlc.frontend"),
     "cdlc.engines": ("cdlc.backends",),
