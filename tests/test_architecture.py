@@ -93,6 +93,7 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
 THIRD_PARTY: Mapping[str, tuple[str, ...]] = {
     "lark": ("cdlc.frontend",),
     "pygments": ("cdlc.editors",),
+    "ray": ("crow.many.cluster",),
     "rich": ("cdlc.progress",),
     "matplotlib": ("cdlc.view",),
     "networkx": ("cdlc.view",),

@@ -66,8 +66,8 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
 def _searched(
     options: argparse.Namespace, compilation: driver.Compilation
 ) -> "tuple[Planning, Result]":
-    from crow.limits import timer
     from cdlc.progress import Progress
+    from crow.limits import timer
     from crow.planning import Planning
 
     problem = compilation.plannable

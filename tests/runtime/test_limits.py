@@ -9,8 +9,8 @@ import time
 
 import pytest
 
-from crow.limits import limited_memory, timer
 from crow.budget import Budget, Stopped
+from crow.limits import limited_memory, timer
 
 
 def spin() -> None:
