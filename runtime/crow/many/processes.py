@@ -88,6 +88,9 @@ class Processes(Closing):
     def submit_packed(self, number: int, packed: Packed) -> None:
         """Send a task that was packed elsewhere."""
         idle = [worker for worker in self._workers if worker.number is None]
+        dead = [worker for worker in idle if not worker.process.is_alive()]
+        self._end(dead)  # of nothing that a task has done
+        idle = [worker for worker in idle if worker not in dead]
         worker = idle[0] if idle else self._started()
         self._send(worker, number, packed)
 
