@@ -1,4 +1,4 @@
-"""Problems whose Python does what the name of their object says: it raises, hangs, dies, and more."""
+"""Problems whose Python does what the name of their object says: raise, hang, die, and so on."""
 
 import os
 import signal
@@ -70,6 +70,11 @@ def _insists() -> None:
 
 def _dies() -> None:
     os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _orphans() -> None:
+    os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(1_000)
 
 
 def _exits() -> None:
