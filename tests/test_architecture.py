@@ -78,6 +78,7 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     "cdlc.engines": ("cdlc.backends",),
     "cdlc.driver": ("cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
     "cdlc.library": ("cdlc.driver", "cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
+    "cdlc.bench": ("cdlc.bench", "cdlc.driver", "cdlc.frontend", "cdlc.view"),
     "cdlc.crosscheck": (
         "cdlc.crosscheck",
         "cdlc.driver",
