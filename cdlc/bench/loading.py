@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from crow.functions import Collected
     from crow.problem import Problem
 
-_GRACE: Final = 5.0
+_GRACE: Final = 2.0
 """Seconds beyond a time limit that the user's Python may take while a problem is loaded."""
 
 _MOST_SHARED: Final = 64

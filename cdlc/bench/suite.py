@@ -1,5 +1,6 @@
 """Suites: what is to be solved, in which ways, and a hash of all of it."""
 
+import errno
 import glob
 import json
 import os
@@ -16,6 +17,7 @@ from cdlc.bench.toml import Stated, read_toml
 from cdlc.diagnostics import Collector
 from cdlc.frontend.errors import UnreadableFile
 from crow.many.tasks import Configuration
+from crow.program import Location
 
 _IS_PROBLEM: Final = re.compile(rb'^[ \t]*problem[ \t]+"', re.MULTILINE)
 _NAMES_FILE: Final = re.compile(rb'^[ \t]*(?:domain|include)[ \t]+"([^"\n]+\.cdl)"', re.MULTILINE)
@@ -76,14 +78,14 @@ def _stated(given: str, found: Collector) -> Stated | None:
         beside = Path(given).parent
         problems = [
             file
-            for pattern in stated.problems
-            for file in _problems(str(beside / pattern), given, found)
+            for pattern, place in zip(stated.problems, stated.places, strict=True)
+            for file in _problems(str(beside / pattern), place, found)
         ]
         return replace(stated, problems=tuple(problems))
-    return Stated(tuple(_problems(given, given, found)))
+    return Stated(tuple(_problems(given, at(given), found)))
 
 
-def _problems(given: str, named_in: str, found: Collector) -> list[str]:
+def _problems(given: str, place: Location, found: Collector) -> list[str]:
     """The problem files that a file, folder or glob stands for, in order."""
     if Path(given).is_dir():
         files = sorted(path.as_posix() for path in Path(given).rglob("*.cdl"))
@@ -94,15 +96,15 @@ def _problems(given: str, named_in: str, found: Collector) -> list[str]:
         problems = [Path(f).as_posix() for f in files if Path(f).is_file() and _is_problem(f)]
         reason = "matches no problem"
     elif not Path(given).exists():
-        place = None if named_in == given else at(named_in)
-        reason = os.strerror(2).lower()
-        found.add(UnreadableFile(location=at(given), reason=reason, wanted_by=place))
+        wanted_by = None if place.file == given else place
+        reason = os.strerror(errno.ENOENT).lower()
+        found.add(UnreadableFile(location=at(given), reason=reason, wanted_by=wanted_by))
         return []
     else:
         problems = [given] if _is_problem(given) else []
         reason = 'is no problem: it has no line `problem "…"`'
     if not problems:
-        found.add(NoProblems(location=at(named_in), given=given, reason=reason))
+        found.add(NoProblems(location=place, given=given, reason=reason))
     return problems
 
 

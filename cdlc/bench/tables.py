@@ -146,8 +146,8 @@ def _times(rows: Sequence[Row]) -> Table:
         )
         found.append((label, *cells))
     note = (
-        "Of runs that were solved. `shared`: all seconds of those that each configuration solved"
-        f" ({len(shared)} of each); `nodes` is a median, `steps` a mean over plans."
+        "Of runs that were solved. Shared: all seconds of those that each configuration solved"
+        f" ({len(shared)} of each); nodes are a median, steps a mean over plans."
     )
     return Table("Times", ("configuration", *_TIMES), tuple(found), note)
 

@@ -3,7 +3,7 @@
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Final
@@ -13,15 +13,20 @@ from cdlc.diagnostics import Collector
 from cdlc.frontend.errors import UnreadableFile
 from crow.many.tasks import Configuration
 from crow.planning import ENGINES, HEURISTICS
+from crow.program import Location
 
 _PLACE: Final = re.compile(r"\(at line (\d+), column (\d+)\)$")
 
 
 @dataclass(frozen=True, slots=True)
 class Stated:
-    """What a suite states: globs or files of problems, and how they are to be solved."""
+    """What a suite states: globs or files of problems, and how they are to be solved.
+
+    `places` says where each of `problems` is named.
+    """
 
     problems: tuple[str, ...]
+    places: tuple[Location, ...] = ()
     domain: str | None = None
     functions: str | None = None
     seeds: tuple[int, ...] = (0,)
@@ -99,7 +104,8 @@ def read_toml(file: str, found: Collector) -> Stated | None:
                 reader.check(table, _ONE, reader.line_of_table(number))
     if len(found.found) > before:
         return None
-    stated = _stated(Path(file).parent, document)
+    places = tuple(map(reader.place_of, document["problems"]))
+    stated = replace(_stated(Path(file).parent, document), places=places)
     labels = [one.label for one in stated.configurations]
     for label in sorted({label for label in labels if labels.count(label) > 1}):
         told = f"two configurations are called `{label}`"
@@ -118,10 +124,10 @@ def _stated(beside: Path, document: dict[str, Any]) -> Stated:
     functions, domain = document.get("functions"), document.get("domain")
     return Stated(
         tuple(document["problems"]),
-        None if domain is None else (beside / domain).as_posix(),
-        None if functions is None else (beside / functions).as_posix(),
-        tuple(range(seeds)) if isinstance(seeds, int) else tuple(dict.fromkeys(seeds)),
-        tuple(
+        domain=None if domain is None else (beside / domain).as_posix(),
+        functions=None if functions is None else (beside / functions).as_posix(),
+        seeds=tuple(range(seeds)) if isinstance(seeds, int) else tuple(dict.fromkeys(seeds)),
+        configurations=tuple(
             Configuration(name=table.get("name", ""), **{**usual, **_arguments(table)})
             for table in tables
         ),
@@ -176,6 +182,15 @@ class _Reader:
         """The line of the header of one of the configurations, from 0."""
         headers = [i for i, line in enumerate(self.lines, 1) if _is_header(line)]
         return headers[number] if number < len(headers) else 1
+
+    def place_of(self, text: str) -> Location:
+        """Where a string stands in the file; the start of the file if that is not found."""
+        for number, line in enumerate(self.lines, 1):
+            for quoted in (f'"{text}"', f"'{text}'"):
+                column = line.find(quoted)
+                if column >= 0:
+                    return at(self.file, number, column + 1, len(quoted))
+        return at(self.file)
 
     def mistake(self, reason: str, start: int, key: str, cure: str | None) -> None:
         """Report a mistake, at a key on or after a line if it is found there."""

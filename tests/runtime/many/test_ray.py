@@ -1,5 +1,6 @@
-"""Ray as an executor: a cluster of two nodes, each a set of processes of its own on this machine."""
+"""Ray as an executor: a cluster of two nodes, each with processes of its own on this machine."""
 
+import json
 import os
 import time
 from collections.abc import Iterator
@@ -10,12 +11,14 @@ from typing import Any
 import pytest
 from hard_problems import towers
 from many_tasks import suite, sussman, written
-from support import ROOT
+from support import BLOCKS, ROOT
+from support import cdlc as run
 from troubles import troubled
 
 import cdlc
 import crow
 from crow.many.cluster import Ray, RayMissing
+from crow.many.records import comparable
 from crow.many.tasks import Configuration
 
 pytestmark = [
@@ -30,7 +33,7 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    """Two nodes with a core each; they find the tests' modules, as a user's nodes find the user's."""
+    """Two nodes with a core each, which find the tests' modules, as a user's find the user's."""
     from ray.cluster_utils import Cluster
 
     paths = [ROOT, ROOT / "runtime", ROOT / "tests"]
@@ -57,6 +60,22 @@ def test_a_cluster_gives_what_this_process_gives(ray: Ray, cluster: Any) -> None
     tasks = suite()
     assert written(crow.solve_many(tasks, executor=ray)) == written(crow.solve_many(tasks))
     assert len(cluster.list_all_nodes()) == 2
+
+
+def test_the_command_line_uses_a_cluster(ray: Ray, cluster: Any, tmp_path: Path) -> None:
+    suite = (str(BLOCKS), "--node-limit", "200", "--seeds", "2")
+    ran = run("bench", *suite, "--ray", cluster.address, "--out", tmp_path / "cluster.jsonl")
+    assert (ran.status, ran.out) == (0, ""), ran
+    assert run("bench", *suite, "--out", tmp_path / "here.jsonl").status == 0
+    found = [
+        sorted(
+            json.dumps(comparable(json.loads(line)), sort_keys=True)
+            for line in (tmp_path / f"{name}.jsonl").read_text().splitlines()
+        )
+        for name in ("cluster", "here")
+    ]
+    assert found[0] == found[1]
+    assert len(found[0]) == 9
 
 
 def test_every_problem_has_one_record_on_a_cluster_too(ray: Ray) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from many_tasks import GOALS, NEVER_ENDS, suite, sussman, written
+from processes import assert_gone, is_running
 from support import ROOT
 from troubles import MARK, troubled
 
@@ -236,7 +237,7 @@ def test_what_functions_print_is_not_on_standard_output(capfd: pytest.CaptureFix
     assert (shown.out, shown.err) == ("", "said by a function\n")
 
 
-# ---------------------------------------------------------------------------------------------- ends
+# --------------------------------------------------------------------------------------------- ends
 
 
 def test_leaving_the_loop_ends_what_runs() -> None:
@@ -274,14 +275,6 @@ def started(script: str, folder: Path) -> "subprocess.Popen[str]":
     )  # fmt: skip
 
 
-def is_running(process: int) -> bool:
-    try:
-        status = Path(f"/proc/{process}/stat").read_text()
-    except OSError:
-        return False
-    return status.rsplit(")", 1)[1].split()[0] != "Z"
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="looks at /proc")
 def test_workers_end_when_their_driver_is_killed(tmp_path: Path) -> None:
     driver = started(DRIVER, tmp_path)
@@ -295,10 +288,7 @@ def test_workers_end_when_their_driver_is_killed(tmp_path: Path) -> None:
     finally:
         driver.kill()
         driver.communicate()
-    deadline = time.monotonic() + 10
-    while any(map(is_running, pids)):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    assert_gone(pids)
 
 
 def test_a_script_without_its_main_part_is_told_so(tmp_path: Path) -> None:
