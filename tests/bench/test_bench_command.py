@@ -17,6 +17,9 @@ from referencing import Registry, Resource
 from support import ROOT, cdlc
 from terminal import is_unbroken, on_terminal
 
+from cdlc.bench.results import Appender
+from cdlc.bench.suite import Suite
+from cdlc.diagnostics import Collector
 from crow.many.records import comparable
 
 SCHEMAS = {
@@ -207,6 +210,9 @@ def test_only_the_same_suite_goes_on(tmp_path: Path) -> None:
     ran = cdlc(*command, "--resume", "--seeds", "3", cwd=tmp_path)
     assert ran.status == 1
     assert "error[other-suite]: these are results of another suite: it has 2 runs, not 6" in ran.err
+    found = Collector()
+    assert Appender.resumed(tmp_path / "r.jsonl", Suite((), "another"), found) is None
+    assert [diagnostic.code for diagnostic in found] == ["other-suite"]
     (tmp_path / "python.py").write_text("def cost(x): return 1\n")
     before = (tmp_path / "r.jsonl").read_bytes()
     ran = cdlc(*command, "--resume", cwd=tmp_path)

@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 from support import cdlc
 
 from cdlc.bench.curves import charts
+from cdlc.bench.results import read_results
 from cdlc.bench.tables import STATUSES, Row, labels_of, rows_of, shared_by_all, tables, text
+from cdlc.diagnostics import Collector
 from cdlc.view.charts import drawn
 
 HERE = Path(__file__).parent
@@ -97,6 +99,9 @@ def test_several_files_stand_side_by_side(results: Path) -> None:
 def test_what_is_no_file_of_results_is_told(spoilt: str, told: str, tmp_path: Path) -> None:
     file = tmp_path / "spoilt.jsonl"
     file.write_text(spoilt)
+    found = Collector()
+    assert read_results(str(file), found) is None
+    assert [diagnostic.code for diagnostic in found] == ["bad-results"]
     ran = cdlc("report", file)
     assert (ran.status, ran.out) == (1, "")
     assert f"error[bad-results]: not a file of results: {told}" in ran.err

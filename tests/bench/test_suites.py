@@ -18,6 +18,13 @@ def suite(*given: str | Path, options: Options | None = None) -> Suite:
     return made
 
 
+def codes(*given: str | Path) -> set[str]:
+    """The codes of what is wrong with suites."""
+    found = Collector()
+    assert suite_of(map(str, given), Options(), found).digest == ""
+    return {diagnostic.code for diagnostic in found}
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """The blocks, a folder deeper, with a suite beside them."""
@@ -147,6 +154,7 @@ MISTAKES = {
 def test_mistakes_of_a_suite_have_a_place_and_a_cure(case: str, tmp_path: Path) -> None:
     text, line, told, cure = MISTAKES[case]
     (tmp_path / "s.toml").write_text(text)
+    assert codes(tmp_path / "s.toml") == {"bad-suite"}
     ran = cdlc("bench", "s.toml", cwd=tmp_path)
     assert (ran.status, ran.out) == (1, "")
     first, place, *_ = ran.err.splitlines()
@@ -161,6 +169,7 @@ def test_a_suite_without_problems_is_told(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "s.toml").write_text('problems = ["empty", "gone.cdl",\n  "*.none"]\n')
     domain = BLOCKS / "blocks.cdl"
+    assert codes(domain, tmp_path / "empty") == {"no-problems"}
     ran = cdlc("bench", "s.toml", "nowhere", "no.toml", domain, cwd=tmp_path)
     assert ran.status == 1
     for told in (
