@@ -2,7 +2,7 @@
 #
 #     . ./setup.sh
 #
-# CDLC_EXTRAS names the extras to install, "planners verify view" by default. For sh, bash, dash and zsh.
+# CDLC_EXTRAS names the extras to install, "planners verify view examples" by default. For sh, bash, dash and zsh.
 # shellcheck shell=sh source=/dev/null
 
 # A subshell, so that nothing but its exit status reaches the user's shell.
@@ -15,7 +15,7 @@
     for python in python3 python3.13 python3.12 python3.11 python; do
         # From here on the program itself: the name may be that of a slow script that looks for it.
         if program=$("$python" -c "$check" 2>/dev/null </dev/null); then
-            exec "$program" ./tools/environment.py "${CDLC_EXTRAS:-planners verify view}"
+            exec "$program" ./tools/environment.py "${CDLC_EXTRAS:-planners verify view examples}"
         fi
     done
     printf '%s\n' 'error: cdlc needs Python 3.11 or later, and there is none on the PATH' >&2

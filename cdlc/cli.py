@@ -215,6 +215,10 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
     _emission(command)
     command.add_argument("--time-limit", type=_positive(float), metavar="S", help="seconds")
     command.add_argument("--max-memory", type=_positive(int), metavar="MB")
+    command.add_argument(
+        "--draw-limit", type=_positive(int), metavar="N",
+        help="the most values drawn from one call of a generator; default: none",
+    )  # fmt: skip
     _format(command)
     command.add_argument(
         "-o", dest="output", type=Path, metavar="FILE", help="write the plan there"
@@ -259,6 +263,9 @@ def _bench_arguments(command: argparse.ArgumentParser) -> None:
         "--time-limit", type=_positive(float), metavar="S", help="seconds for each run"
     )
     command.add_argument("--node-limit", type=_positive(int), metavar="N", help="nodes of each run")
+    command.add_argument(
+        "--draw-limit", type=_positive(int), metavar="N", help="draws of a generator call"
+    )
     command.add_argument("--max-memory", type=_positive(int), metavar="MB", help="of each run")
     _functions(command)
 

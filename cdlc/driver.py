@@ -152,10 +152,14 @@ class Compilation:
     @cached_property
     def plannable(self) -> "Problem":
         """The problem, with a program that the runtime's planner covers."""
+        return self.plannable_by("auto")
+
+    def plannable_by(self, engine: str) -> "Problem":
+        """The problem, with a program that an engine of the runtime covers."""
         from cdlc.backends.crow import check_plannable
 
         problem = self.problem
-        check_plannable(problem, self.found)
+        check_plannable(problem, self.found, engine)
         self._stop_at_errors()
         return problem
 
@@ -180,12 +184,20 @@ class Compilation:
         """The PDDL of the domain and, if there is one, of the problem."""
         from cdlc.backends.pddl import Emission, to_pddl
 
+        self._refuse_simulated()
         problem = self.problem if self.statement is not None else None
         emission = Emission(self.axioms, self.enumerates)
         task = to_pddl(self.model, problem, self.found, emission)
         self._stop_at_errors()
         assert task is not None
         return task
+
+    def _refuse_simulated(self) -> None:
+        from cdlc.backends.functions import report_simulated
+
+        if self.functions is not None:
+            report_simulated(self.program, self.registered, self.found)
+        self._stop_at_errors()
 
     @cached_property
     def hddl(self) -> "HddlTask":

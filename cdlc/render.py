@@ -128,7 +128,10 @@ class _Painter:
         for label in others:
             lines += self.excerpt(label, before, margin, "-", "place")
             before = label.location
-        lines += [f"{self._paint('note', 'bold')}: {printable(n)}" for n in diagnostic.notes()]
+        for note in diagnostic.notes():
+            first, *more = note.split("\n") or [""]
+            lines.append(f"{self._paint('note', 'bold')}: {printable(first)}")
+            lines += [f"      {printable(line)}".rstrip() for line in more]
         for help_ in diagnostic.help():
             lines.append(f"{self._paint('help', 'help')}: {printable(help_.text)}")
         return "\n".join(lines) + "\n"

@@ -10,6 +10,7 @@ from towers_in_python import IN_CDL, OUTSIDE, PYTHON, towers
 from crow.many.records import Record, comparable
 from crow.many.tasks import Configuration, Task
 from crow.problem import Problem
+from examples.namo.problems import problem as namo
 
 GOALS = ("on(A, B) and on(B, C)", "on(C, B) and on(B, A)", "on(A, B) and on(B, A)", "on(B, A)")
 CONFIGURATIONS = (
@@ -40,16 +41,18 @@ def sussman(goal: str = GOALS[0]) -> Problem:
 
 
 def suite() -> list[Task]:
-    """Two programs, one of them with Python functions, in several configurations."""
+    """Three programs, two of them with Python, one of which draws, in several configurations."""
     problems = [sussman(goal) for goal in GOALS]
     init = "on[A, B] = True\n  on[B, C] = True"
     for goal in ("clear(C)", "on(C, B) and on(B, A)"):
         problems += [towers(IN_CDL, init, goal), towers(OUTSIDE, init, goal, PYTHON)]
-    return [
+    tasks = [
         Task(problem, configuration, f"{number}/{configuration.label}")
         for number, problem in enumerate(problems)
         for configuration in CONFIGURATIONS
     ]
+    drawn = [Configuration(seed=s, node_limit=3_000, draw_limit=20) for s in range(4)]
+    return [*tasks, *(Task(namo("hard"), one, f"namo/{one.seed}") for one in drawn)]
 
 
 def written(records: Iterable[Record]) -> str:

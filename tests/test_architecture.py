@@ -98,7 +98,7 @@ THIRD_PARTY: Mapping[str, tuple[str, ...]] = {
     "rich": ("cdlc.progress",),
     "matplotlib": ("cdlc.view",),
     "networkx": ("cdlc.view",),
-    "numpy": ("crow.externals", "crow.generators"),
+    "numpy": ("crow.calls", "crow.constraints", "crow.externals", "crow.generators"),
     "psutil": ("cdlc.backends.engines",),
     "sympy": ("cdlc.ir.algebra",),
     "z3": ("cdlc.verify.smt",),

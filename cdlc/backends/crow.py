@@ -1,11 +1,12 @@
 """From the checked program to the runtime's problem."""
 
-from cdlc.backends.errors import NoInitialValue, NotPlannable
+from cdlc.backends.errors import MissingFunction, NoInitialValue, NotPlannable
 from cdlc.diagnostics import Collector
 from crow.evaluate import EvaluationError
 from crow.functions import Registered
 from crow.problem import Problem
 from crow.program import Location, ProblemStatement, Program
+from crow.support import OF_OBJECTS
 
 
 def to_runtime(
@@ -23,9 +24,14 @@ def to_runtime(
         return None
 
 
-def check_plannable(problem: Problem, found: Collector) -> None:
-    """Report what the runtime's planner would have to choose a value for."""
+def check_plannable(problem: Problem, found: Collector, engine: str = "auto") -> None:
+    """Report what an engine of the runtime does not cover, or has no Python for."""
     missing = problem.world.unsupported
+    if missing is None and engine in OF_OBJECTS:
+        missing = problem.world.chosen_value
     if missing is not None:
         location = missing.location or Location("", 1, 1, 1, 1)
-        found.add(NotPlannable(location=location, construct=missing.construct))
+        if missing.function is not None:
+            found.add(MissingFunction(location=location, function=missing.function))
+        else:
+            found.add(NotPlannable(location=location, construct=missing.construct, engine=engine))

@@ -227,18 +227,39 @@ class WrongFunction(Diagnostic):
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class NotPlannable(Diagnostic):
-    """Something that needs a value chosen or computed, where the planner chooses objects.
+    """A value to choose, planned with an engine that chooses among objects alone.
 
-        bind t: Trajectory where: clear_of(o, t)
+        bind p: Pose where: on_table(p)
 
-    Numbers may be features, and parameters that a goal gives a value. A `bind` of a value, a value
-    parameter that the goal does not mention, and functions in Python need a solver of constraints.
+    Such a `bind`, and a value parameter that the goal does not mention, are for the engines `auto`,
+    `iddfs` and `iw`. They draw values from generators, and solve equations for them.
     """
 
     construct: str
+    engine: str
 
     def message(self) -> str:
-        return f"planning does not cover {self.construct} in this version"
+        return f"the engine `{self.engine}` does not cover {self.construct}"
 
-    def notes(self) -> tuple[str, ...]:
-        return ("the planner chooses among objects; it does not compute or sample values yet",)
+    def help(self) -> tuple[Help, ...]:
+        return (Help("plan with `auto`, `iddfs` or `iw`, which draw values"),)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class MissingFunction(Diagnostic):
+    """A call of an external function whose Python was not given.
+
+        def near(a: place, b: place) -> bool      # a `def` without a body
+
+    Planning evaluates it, so its Python has to be there: `--functions FILE.py` on the command line,
+    `functions=` in the library. A function of the same name in that file, or one with
+    `@crow.function("near")`, is called with as many values as the program declares.
+    """
+
+    function: str
+
+    def message(self) -> str:
+        return f"the external function `{self.function}` has no Python, which planning needs"
+
+    def help(self) -> tuple[Help, ...]:
+        return (Help("give it with `--functions FILE.py`, or write its body in CDL"),)

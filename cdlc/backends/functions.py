@@ -7,7 +7,7 @@ once, these are facts like any others: to PDDL, to the interpreter and to the re
 from dataclasses import fields, replace
 from typing import Any
 
-from cdlc.backends.errors import FunctionFailed, WrongFunction
+from cdlc.backends.errors import FunctionFailed, NotInPddl, WrongFunction
 from cdlc.diagnostics import Collector
 from crow.calls import FunctionError
 from crow.externals import ExternalFunction
@@ -41,6 +41,15 @@ def failed(error: FunctionError) -> FunctionFailed:
     return FunctionFailed(
         location=location, call=error.call, reason=error.reason, traceback=error.traceback
     )
+
+
+def report_simulated(program: Program, given: Registered, found: Collector) -> None:
+    """Report the controllers whose effects Python computes: PDDL has none of that."""
+    for controller in program.controllers:
+        if controller.name in given.effects:
+            location = controller.location or Location(program.name, 1, 1, 1, 1)
+            construct = f"the effect of `{controller.name}`, which Python computes,"
+            found.add(NotInPddl(location=location, construct=construct))
 
 
 def is_static(function: Function) -> bool:

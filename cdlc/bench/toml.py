@@ -62,6 +62,7 @@ _HOW: Final[Mapping[str, tuple[str, _Check]]] = {
     "time-limit": ("time_limit", (_is_positive, "a positive number of seconds")),
     "node-limit": ("node_limit", (_is_count, "a positive whole number")),
     "depth-limit": ("depth_limit", (_is_count, "a positive whole number")),
+    "draw-limit": ("draw_limit", (_is_count, "a positive whole number")),
     "max-memory": ("memory_limit_mb", (_is_count, "a positive whole number of MiB")),
     "optimal": ("optimal", (lambda value: type(value) is bool, "true or false")),
 }

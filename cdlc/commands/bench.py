@@ -65,6 +65,7 @@ def _stated(options: argparse.Namespace) -> "Options":
     limits = {
         "time_limit": options.time_limit,
         "node_limit": options.node_limit,
+        "draw_limit": options.draw_limit,
         "memory_limit_mb": options.max_memory,
     }
     return Options(

@@ -70,7 +70,7 @@ def _searched(
     from crow.limits import timer
     from crow.planning import Planning
 
-    problem = compilation.plannable
+    problem = compilation.plannable_by(options.engine)
     warn(options, compilation)
     with ExitStack() as at_end:
         is_wanted = options.format == "text"
@@ -81,6 +81,7 @@ def _searched(
             h=options.h,
             seed=options.seed,
             time_limit=options.time_limit,
+            draw_limit=options.draw_limit,
             memory_limit_mb=options.max_memory,
             on_progress=progress.show if progress.is_wanted else None,
             optimal=options.optimal,

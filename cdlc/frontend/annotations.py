@@ -65,7 +65,9 @@ RULES: Mapping[str, Rule] = {
     "min": Rule(frozenset(("feature",)), _whole, "feature [[min=0, max=20]] f() -> int32"),
     "max": Rule(frozenset(("feature",)), _whole, "feature [[min=0, max=20]] f() -> int32"),
     "reads": Rule(
-        frozenset(("external function",)), _names, "def [[reads=position]] f(x: T) -> bool"
+        frozenset(("external function", "generator")),
+        _names,
+        "def [[reads=position]] f(x: T) -> bool",
     ),
     "max_nested": Rule(frozenset(("behavior",)), _positive, "behavior [[max_nested=1]] b(x: T):"),
     "tolerance": Rule(
@@ -138,7 +140,7 @@ def _check_read(name: syntax.Name, owner: Owner, context: Context) -> None:
             errors.BadAnnotation(
                 location=location,
                 name="reads",
-                reason=f"`{name.text}` is a {kind}, and a function reads features",
+                reason=f"`{name.text}` is a {kind}, and what is read are features",
                 example=RULES["reads"].example,
             )
         )

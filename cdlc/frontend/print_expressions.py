@@ -186,6 +186,15 @@ def _needs_parentheses(node: syntax.Expression, least: Level, *, may_be_open: bo
     return _level(node) < least or (not may_be_open and _is_open(node))
 
 
+def _is_short(node: syntax.Expression) -> bool:
+    """Whether several of a kind share a line; strings are often the rows of something."""
+    match node:
+        case syntax.Literal(str()):
+            return False
+        case _:
+            return _level(node) == Level.PRIMARY
+
+
 def _bare(written: Trivia, node: syntax.Expression) -> Doc:
     match node:
         case syntax.Literal():
@@ -197,7 +206,7 @@ def _bare(written: Trivia, node: syntax.Expression) -> Doc:
         case syntax.Call():
             return _call(written, node)
         case syntax.VectorLiteral(elements):
-            fill = all(_level(element) == Level.PRIMARY for element in elements)
+            fill = all(map(_is_short, elements))
             closing = Text("]", _last(node))
             return bracketed("[", _arguments(written, elements), closing, fill=fill)
         case syntax.Unary():

@@ -13,7 +13,7 @@ from crow.problem import Problem, State, World
 from crow.program import Location
 from crow.program.types import is_boolean
 from crow.transition import Ambiguous, Unmet, apply
-from crow.values import Value, default_value, shown
+from crow.values import Value, default_value, json_value, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ def step_failed(location: Location, text: str, number: int, unmet: Unmet) -> Ste
 
 def state_json(world: World, state: State) -> dict[str, Any]:
     """The features of a state by cell: Boolean ones where true, others always."""
-    return {text: _plain(value) for text, value, _ in _cells(world, state)}
+    return {text: json_value(value) for text, value, _ in _cells(world, state)}
 
 
 def state_text(world: World, state: State) -> str:
@@ -116,13 +116,3 @@ def _true_cells(world: World, state: State, feature: str) -> list[tuple[str, ...
     places = {name: index for index, name in enumerate(world.objects)}
     true = [where for (name, where), value in state.cells.items() if name == feature and value]
     return sorted(true, key=lambda where: [places[name] for name in where])
-
-
-def _plain(value: Value) -> Any:
-    match value:
-        case None | bool() | int() | float() | str():
-            return value
-        case tuple():
-            return [_plain(item) for item in value]
-        case _:
-            return {"opaque": repr(value)}

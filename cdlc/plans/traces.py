@@ -1,6 +1,6 @@
 """Traces in a plan's JSON, read back so that every item can be replayed (semantics.md §1)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cdlc.diagnostics import Collector
 from cdlc.frontend import syntax
@@ -14,6 +14,7 @@ from crow.program import (
     BOOL,
     FLOAT64,
     INT64,
+    PYOBJECT,
     STRING,
     Behavior,
     Bind,
@@ -161,8 +162,18 @@ def typed_value(name: str, value: object, world: World) -> tuple[Value, Type]:
             type_ = FLOAT64
         case str():
             type_ = STRING
+        case [list() | tuple(), *_]:
+            type_ = PYOBJECT
         case list() | tuple():
-            type_ = VectorType(FLOAT64, len(value))
+            type_ = VectorType(_element_type(value), len(value))
         case _:
             raise TraceFormatError(f"`{name}` has no value of CDL")
     return read_json(value, type_, world), type_
+
+
+def _element_type(items: Sequence[object]) -> Type:
+    """The type of a vector's elements: whole numbers fit where any number is wanted."""
+    if all(isinstance(item, str) for item in items) and items:
+        return STRING
+    is_whole = all(isinstance(item, int) and not isinstance(item, bool) for item in items)
+    return INT64 if is_whole else FLOAT64

@@ -62,7 +62,9 @@ class Validation:
 def validate(compiled: Compiled, source: SourceFile, found: Collector) -> Validation:
     """Apply a plan's transitions from the initial state, replay its trace, and test the goal.
 
-    Problems of the plan are reported to `found`.
+    Where the program binds values, a plan with a trace is only replayed: its items say when each
+    value had to be what it is, which the steps of methods do not. Problems of the plan are reported
+    to `found`.
     """
     problem = compiled.problem
     try:
@@ -70,13 +72,18 @@ def validate(compiled: Compiled, source: SourceFile, found: Collector) -> Valida
     except BadStepError as error:
         found.add(error.diagnostic)
         return Validation(0, 0)
-    state = _apply_all(problem, plan.steps, found)
-    if state is None:
-        return Validation(len(plan.steps), 0)
-    _check_goal(problem, state, source, found)
+    has_trace = plan.trace is not None and plan.trace != []
+    state: State | None = None
+    if not has_trace or problem.world.chosen_value is None:
+        state = _apply_all(problem, plan.steps, found)
+        if state is None:
+            return Validation(len(plan.steps), 0)
     items = 0
-    if plan.trace is not None and plan.trace != []:
-        items = _check_trace(compiled, plan.trace, plan.steps, state, source, found)
+    if has_trace:
+        items, replayed = _check_trace(compiled, plan.trace, plan.steps, state, source, found)
+        state = state or replayed
+    if state is not None:
+        _check_goal(problem, state, source, found)
     return Validation(len(plan.steps), items)
 
 
@@ -199,11 +206,14 @@ def _check_trace(
     compiled: Compiled,
     items: object,
     steps: Sequence[PlanStep],
-    state: State,
+    state: State | None,
     source: SourceFile,
     found: Collector,
-) -> int:
-    """Replay every item, and see that the trace makes the calls and the state of the steps."""
+) -> tuple[int, State | None]:
+    """Replay every item, and see that the trace makes the calls and the state of the steps.
+
+    Returns the number of items, and the state at the end unless one fails.
+    """
     problem, checked = compiled.problem, compiled.checked
     domain = checked.domain if isinstance(checked, CheckedProblem) else checked
     start = Location(source.name, 1, 1, 1, 1)
@@ -211,7 +221,7 @@ def _check_trace(
         trace = read_trace(items, domain, problem.world)
     except TraceFormatError as error:
         found.add(BadPlan(location=start, reason=str(error)))
-        return 0
+        return 0, None
     trace = tuple(_with_tables(item, domain.program, problem.world.program) for item in trace)
     made = [(item.controller, item.arguments) for item in trace if isinstance(item, DoItem)]
     claimed = [call for step in steps for call in step.calls or ()]
@@ -222,11 +232,12 @@ def _check_trace(
         reason = f"item {failure.index + 1} of the trace, `{failure.condition}`: {failure.reason}"
     elif made != claimed:
         reason = "the trace makes other controller calls than the steps"
-    elif replayed.final != state:
+    elif state is not None and replayed.final != state:
         reason = "the trace ends in another state than the steps"
     if reason is not None:
         found.add(BadPlan(location=start, reason=reason))
-    return len(trace)
+        return len(trace), None
+    return len(trace), replayed.final
 
 
 def _with_tables(item: TraceItem, declared: Program, tabulated: Program) -> TraceItem:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from crow.problem import Problem, State, World
     from crow.program.codec import ProgramFormatError
     from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
+    from crow.robot import Robot
     from crow.stated import ProblemError
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "Stuck",
     "Environment",
     "Execution",
+    "Robot",
     "Problem",
     "ProblemError",
     "ProgramFormatError",
@@ -101,6 +103,7 @@ _PLACES = {
         ("function", "generator", "effect", "controller", "FunctionsError"), "crow.functions"
     ),
     "FunctionError": "crow.calls",
+    "Robot": "crow.robot",
     "ProblemError": "crow.stated",
     "ProgramFormatError": "crow.program.codec",
 }
@@ -115,6 +118,7 @@ def plan(
     time_limit: float | None = None,
     node_limit: int | None = None,
     depth_limit: int | None = None,
+    draw_limit: int | None = None,
     memory_limit_mb: int | None = None,
     on_progress: "Progress | None" = None,
     optimal: bool = False,
@@ -123,14 +127,15 @@ def plan(
 
     `engine` is `auto`, `best`, `iddfs`, `iw` or `reference`; `h`, the heuristic of best-first
     search, is `ff` or `add`. Limits are None for none: seconds of wall time, nodes, depth of nested
-    behaviors, MiB of memory. `on_progress` is called now and then with
-    statistics. With `optimal`, the search goes on for the plan that costs least (`minimize`, or the
-    number of controller calls) until none can cost less, or a limit is reached: `unproved` of the
-    plan says which.
+    behaviors, values drawn from one call of a generator, MiB of memory. `on_progress` is called now
+    and then with statistics. With `optimal`, the search goes on for the plan that costs least
+    (`minimize`, or the number of controller calls) until none can cost less, or a limit is reached:
+    `unproved` of the plan says which.
 
     Returns Plan, Unsolvable, LimitReached, TimedOut or OutOfMemory. Raises NotPlannable for a
-    program that would have to choose values, and ValueError for an engine or heuristic that is
-    not one.
+    program that has functions without their Python or, with an engine that covers objects alone,
+    values to choose; ValueError for an engine or heuristic that is not one, and FunctionError where
+    the user's Python fails.
     """
     from crow.planning import Planning
 
@@ -142,6 +147,7 @@ def plan(
         time_limit=time_limit,
         node_limit=node_limit,
         depth_limit=depth_limit,
+        draw_limit=draw_limit,
         memory_limit_mb=memory_limit_mb,
         on_progress=on_progress,
         optimal=optimal,
@@ -157,6 +163,7 @@ def plans(
     time_limit: float | None = None,
     node_limit: int | None = None,
     depth_limit: int | None = None,
+    draw_limit: int | None = None,
 ) -> "Iterator[Plan]":
     """The plans of a problem, each once; with `iddfs`, those that need less depth first.
 
@@ -173,6 +180,7 @@ def plans(
         time_limit=time_limit,
         node_limit=node_limit,
         depth_limit=depth_limit,
+        draw_limit=draw_limit,
     ).plans()
 
 

@@ -110,6 +110,13 @@ def looking(items: Iterable[_T], every: int = 1024) -> Iterator[_T]:
         yield item
 
 
+def look() -> None:
+    """Look at the limits of the search that runs, if one does; raises Stopped as it would."""
+    budget = _RUNNING.get()
+    if budget is not None:
+        budget.look()
+
+
 def resident_mb() -> float:
     """How many MiB this process has resident; 0 where the system does not say.
 

@@ -2,18 +2,21 @@
 
 from collections import ChainMap
 from collections.abc import Callable, Mapping
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from crow.budget import Stopped
-from crow.outside import given_out, taken_in
+from crow.outside import taken_in
 from crow.plan import call_text
 from crow.problem import Cell, World
-from crow.program import Location, ObjectType, Type
+from crow.program import PYOBJECT, Location, ObjectType, Type
 from crow.program.types import BOOL, underlying
 from crow.python_files import user_traceback
 from crow.reading import WrongValueError
 from crow.unknowns import Touched, Unknown, unknowns_in
-from crow.values import Value, converted
+from crow.values import Value, converted, given_out
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 Row = tuple[Value, ...]
 Cells = Mapping[Cell, object]
@@ -83,17 +86,19 @@ def arguments_for(values: Row, types: tuple[Type, ...]) -> Row:
 
     Raises Touched for one that is not known yet, and ArithmeticError for one out of range.
     """
-    for value in values:
-        if type(value) is Unknown or type(value) is tuple:
-            for unknown in unknowns_in(value):
-                raise Touched(unknown)
-    pairs = zip(values, types, strict=True)
-    return tuple([value if _is_plain(type_) else converted(value, type_) for value, type_ in pairs])
+    return tuple([_argument(value, type_) for value, type_ in zip(values, types, strict=True)])
 
 
-def _is_plain(type_: Type) -> bool:
-    """Whether values of a type need no conversion."""
-    return isinstance(type_, ObjectType) or underlying(type_) == BOOL
+def _argument(value: Value, type_: Type) -> Value:
+    if type(value) is Unknown:
+        raise Touched(value)
+    plain = underlying(type_)
+    if isinstance(plain, ObjectType) or plain in (BOOL, PYOBJECT):
+        return value
+    if type(value) is tuple:
+        for unknown in unknowns_in(value):
+            raise Touched(unknown)
+    return converted(value, type_)
 
 
 class Remembered:
@@ -151,3 +156,11 @@ class Call:
     def wrong(self, reason: str, traceback: str = "") -> FunctionError:
         """What goes wrong, with its place."""
         return FunctionError(self._name, self._shown, reason, self._location, traceback)
+
+
+def check_finite(call: Call, array: "NDArray[Any]", type_: Type, world: World) -> None:
+    """Raise FunctionError for the first row of an array that has a number that is not finite."""
+    import numpy as np
+
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        call.taken(next(row for row in array if not np.isfinite(row).all()), type_, world)

@@ -6,8 +6,9 @@ Effects run statement by statement (D.3, D.5): a `foreach` is parallel, everythi
 import operator
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from functools import partial
 from itertools import product
-from typing import assert_never, cast
+from typing import Protocol, assert_never, cast
 
 from crow.arithmetic import arithmetic, negated
 from crow.budget import looking
@@ -42,13 +43,14 @@ from crow.program import (
     SetLocal,
     Simulate,
     Statement,
+    Type,
     Variable,
     Vector,
     Xor,
 )
 from crow.program.expressions import ArithmeticOperator
 from crow.program.locals import Locals, set_local
-from crow.unknowns import Touched, Unknown
+from crow.unknowns import Touched, Unknown, is_same
 from crow.values import Value, converted, stored
 
 Environment = Mapping[str, Value]
@@ -108,14 +110,34 @@ def execute(
     return world.updated(state, changes(world, state.cells, statements, variables))
 
 
+class Asked(Protocol):
+    """Who answers where an effect computes with the values of unknowns (App. B)."""
+
+    def define(
+        self, value: Expression, type_: Type, variables: Environment, state: State
+    ) -> Unknown:
+        """An unknown that has a value, as a cell or variable of a type holds it."""
+
+    def decide(self, condition: Expression, variables: Environment, state: State) -> bool:
+        """Whether a condition is true."""
+
+    def bound(self, feature: Feature, value: Unknown) -> None:
+        """See to it that a value is within the bounds of a feature."""
+
+
 def changes(
     world: World,
     cells: Mapping[Cell, object],
     statements: tuple[Statement, ...],
     variables: Environment,
+    asked: Asked | None = None,
 ) -> dict[Cell, object]:
-    """What an effect writes into the cells of a state. Raises EvaluationError as `execute` does."""
-    run = _Run(world, cells)
+    """What an effect writes into the cells of a state.
+
+    Raises EvaluationError as `execute` does, and crow.unknowns.Touched where the value of an
+    unknown is needed, unless there is someone to be `asked`.
+    """
+    run = _Run(world, cells, asked)
     try:
         run.effect(statements, variables)
     except RecursionError:
@@ -123,7 +145,10 @@ def changes(
         raise EvaluationError(_TOO_DEEP, location) from None
     if world.has_bounds:
         for cell, value in run.written.items():
-            check_bounds(world, cell, value)
+            if asked is not None and type(value) is Unknown:
+                asked.bound(world.features[cell[0]], value)
+            else:
+                check_bounds(world, cell, value)
     return run.written
 
 
@@ -160,7 +185,7 @@ def check_unset(world: World, cells: Mapping[Cell, object]) -> None:
 
 # -------------------------------------------------------------------------------------- expressions
 
-_COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {
+COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {
     "==": operator.eq,
     "!=": operator.ne,
     "<": operator.lt,
@@ -168,7 +193,7 @@ _COMPARISONS: Mapping[str, Callable[[Value, Value], bool]] = {
     ">": operator.gt,
     ">=": operator.ge,
 }
-_CHOICES: Mapping[str, Callable[[list[Value]], Value]] = {"min": min, "max": max}
+CHOICES: Mapping[str, Callable[[list[Value]], Value]] = {"min": min, "max": max}
 _AUGMENTED: Mapping[str, ArithmeticOperator] = {"+=": "+", "-=": "-", "*=": "*", "/=": "/"}
 
 
@@ -210,7 +235,7 @@ class _Evaluator:
             case Xor(left=left, right=right):
                 return self.value(left, variables) != self.value(right, variables)
             case Compare(operator=op, left=left, right=right):
-                return _COMPARISONS[op](self.value(left, variables), self.value(right, variables))
+                return COMPARISONS[op](self.value(left, variables), self.value(right, variables))
             case Conditional(condition=condition, then=then, otherwise=otherwise, type=type_):
                 chosen = then if self.value(condition, variables) else otherwise
                 value = self.value(chosen, variables)
@@ -226,7 +251,7 @@ class _Evaluator:
                 return _located(node.location, arithmetic, op, *sides, type_)
             case Builtin(function=function, arguments=arguments, type=type_):
                 values = [self.value(a, variables) for a in arguments]
-                value = abs(values[0]) if function == "abs" else _CHOICES[function](values)
+                value = abs(values[0]) if function == "abs" else CHOICES[function](values)
                 return _located(node.location, converted, value, type_)
             case Apply():
                 return self._apply(node, variables)
@@ -369,11 +394,14 @@ def _below(cells: Mapping[Cell, object]) -> MutableMapping[Cell, object]:
 class _Run:
     """One run over the cells of a state, which it leaves alone: `written` is what it wrote."""
 
-    def __init__(self, world: World, cells: Mapping[Cell, object]) -> None:
+    def __init__(
+        self, world: World, cells: Mapping[Cell, object], asked: Asked | None = None
+    ) -> None:
         self.world = world
         self.written: dict[Cell, object] = {}
         self.cells = cells
         self.evaluator = _Evaluator(world, cells, self.written)
+        self.asked = asked
 
     def effect(self, statements: tuple[Statement, ...], variables: Environment) -> None:
         """The statements of an effect; mostly assignments, which need no scope of their own."""
@@ -397,12 +425,13 @@ class _Run:
             case Assign():
                 self._assign(node, variables)
             case Let(variable=variable, value=value):
-                given = self.evaluator.value(value, variables)
-                variables[variable.name] = _located(node.location, converted, given, variable.type)
+                compute = partial(self._converted, value, variable.type, variables, node.location)
+                variables[variable.name] = self._value(compute, value, variable.type, variables)
             case SetLocal(variable=name, value=value):
-                set_local(variables, name, self.evaluator.value(value, variables))
+                compute = partial(self.evaluator.value, value, variables)
+                set_local(variables, name, self._value(compute, value, value.type, variables))
             case If(condition=condition, then=then, otherwise=otherwise):
-                chosen = then if self.evaluator.value(condition, variables) else otherwise
+                chosen = then if self._is_true(condition, variables) else otherwise
                 return self.block(chosen, variables.new_child())
             case ForRange():
                 return self._for(node, variables)
@@ -420,6 +449,34 @@ class _Run:
                 raise AssertionError(f"{type(node).__name__} in an effect")
         return None
 
+    def _value(
+        self, compute: Callable[[], Value], value: Expression, type_: Type, variables: Environment
+    ) -> Value:
+        """A value; who is asked defines one that depends on unknowns."""
+        if self.asked is None:
+            return compute()
+        try:
+            return compute()
+        except Touched:
+            return self.asked.define(value, type_, dict(variables), self._state())
+
+    def _is_true(self, condition: Expression, variables: Environment) -> bool:
+        try:
+            return bool(self.evaluator.value(condition, variables))
+        except Touched:
+            if self.asked is None:
+                raise
+            return self.asked.decide(condition, dict(variables), self._state())
+
+    def _state(self) -> State:
+        """The state as it is in the middle of the effect."""
+        return State(ChainMap(dict(self.written), _below(self.cells)))
+
+    def _converted(
+        self, value: Expression, type_: Type, variables: Environment, location: Location | None
+    ) -> Value:
+        return _located(location, converted, self.evaluator.value(value, variables), type_)
+
     def _simulate(self, node: Simulate, variables: Environment) -> None:
         effect = self.world.externals.effects[node.controller]
         arguments = tuple([self.evaluator.value(a, variables) for a in node.arguments])
@@ -432,14 +489,25 @@ class _Run:
         arguments = tuple([self.evaluator.value(a, variables) for a in node.arguments])
         cell = (node.feature, arguments)
         check_known(cell)
+        if self.asked is None:
+            self.written[cell] = self._assigned(node, cell, feature.type, variables)
+            return
+        new = node.value
+        if node.operator != "=":
+            before = Read(node.feature, node.arguments, feature.type, location=node.location)
+            new = Arithmetic(_AUGMENTED[node.operator], before, new, feature.type)
+        compute = partial(self._assigned, node, cell, feature.type, variables)
+        self.written[cell] = self._value(compute, new, feature.type, variables)
+
+    def _assigned(self, node: Assign, cell: Cell, type_: Type, variables: Environment) -> Value:
         value = self.evaluator.value(node.value, variables)
         if node.operator != "=":
             before = self.evaluator.cell(cell, node.location)
             op = _AUGMENTED[node.operator]
-            value = _located(node.location, arithmetic, op, before, value, feature.type)
-        if not isinstance(feature.type, ObjectType):
-            value = _located(node.location, stored, value, feature.type)
-        self.written[cell] = value
+            value = _located(node.location, arithmetic, op, before, value, type_)
+        if isinstance(type_, ObjectType):
+            return value
+        return _located(node.location, stored, value, type_)
 
     def _for(self, node: ForRange, variables: Locals) -> _Signal:
         for number in range(node.start, node.stop, node.step):
@@ -454,10 +522,10 @@ class _Run:
         merged: dict[Cell, object] = {}
         before = ChainMap(self.written, _below(self.cells))
         for inner in assignments_of(self.world, node.variables, variables):
-            run = _Run(self.world, before)
+            run = _Run(self.world, before, self.asked)
             run.block(node.body, ChainMap(inner))
             for cell, value in run.written.items():
-                if cell in merged and merged[cell] != value:
+                if cell in merged and not is_same(merged[cell], value):
                     message = f"iterations write different values to `{shown_cell(cell)}`"
                     raise EvaluationError(message, node.location)
                 merged[cell] = value

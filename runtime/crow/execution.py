@@ -6,7 +6,7 @@ from typing import Any, Final, Literal, Protocol
 
 from crow.policy import ControllerCall, Decision, Done, Policy, Stuck
 from crow.problem import Cell, Problem, State
-from crow.values import Value
+from crow.values import Value, json_value
 
 DONE: Final = "done"
 """What `act` returns for a call that was carried out; what it has led to is observed then."""
@@ -39,7 +39,7 @@ class Acted:
         """The event in a record's JSON."""
         told: dict[str, Any] = {
             "do": self.call.controller,
-            "arguments": list(self.call.arguments),
+            "arguments": list(map(json_value, self.call.arguments)),
             "outcome": self.outcome,
         }
         return told if self.message is None else {**told, "message": self.message}
@@ -58,7 +58,10 @@ class Planned:
 
     def json(self) -> dict[str, Any]:
         """The event in a record's JSON."""
-        calls = [{"do": c.controller, "arguments": list(c.arguments)} for c in self.calls]
+        calls = [
+            {"do": c.controller, "arguments": list(map(json_value, c.arguments))}
+            for c in self.calls
+        ]
         return {"plan": calls, "reason": self.reason}
 
     def __str__(self) -> str:
@@ -134,7 +137,7 @@ def execute(
     A call that fails is planned for again, but not more than `attempts` times in a row for the same
     call; `step_limit` is the most calls. `options` are those of `crow.plan`, a time limit one for
     each time of planning. What the world does is in the result, exceptions of the environment too;
-    KeyboardInterrupt passes through. Raises NotPlannable or ValueError as `crow.plan` does.
+    KeyboardInterrupt passes through. Raises what `crow.plan` raises.
     """
     policy = Policy(problem, engine, **options)
     return _Executing(policy, environment, attempts).run(step_limit)

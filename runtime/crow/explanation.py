@@ -9,6 +9,7 @@ from crow.problem import Cell, Problem
 from crow.program import Expression, Location, Object, Read, Variable
 from crow.program.walk import subexpressions
 from crow.text import expression_text
+from crow.unknowns import has_unknown
 from crow.values import Value, default_value
 
 NOT_YET: Final = "it has not become true so far"
@@ -39,7 +40,8 @@ class Obstacle:
     def used(self) -> dict[str, Value]:
         """The variables that the condition reads and that have a value."""
         names = (p.name for p in subexpressions(self.condition) if isinstance(p, Variable))
-        return {n: self.variables[n] for n in names if n in self.variables}
+        values = ((n, self.variables[n]) for n in names if n in self.variables)
+        return {name: value for name, value in values if not has_unknown(value)}
 
     def facts(self, problem: Problem) -> list[str]:
         """The values of the cells that the condition reads by name; not too many."""

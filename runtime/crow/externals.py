@@ -3,14 +3,13 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from crow.calls import Call, Cells, Remembered, Row, arguments_for, part_read
+from crow.calls import Call, Cells, Remembered, Row, arguments_for, check_finite, part_read
 from crow.functions import Registration
 from crow.generators import ExternalGenerator
-from crow.outside import given_out
 from crow.problem import World
 from crow.program import Function, Location, ObjectType, Parameter, Type
 from crow.simulators import ExternalEffect
-from crow.values import Value
+from crow.values import Value, given_out
 from crow.views import StateView
 
 if TYPE_CHECKING:
@@ -94,6 +93,29 @@ class ExternalFunction:
         for key, value in found.items():
             self._remembered.add(key, value)
         return values
+
+    @property
+    def is_vectorized(self) -> bool:
+        """Whether it takes many candidates at once."""
+        return self.python.mark.is_vectorized
+
+    def column(
+        self, cells: Cells, columns: "Sequence[NDArray[Any]]", location: Location | None = None
+    ) -> "NDArray[Any]":
+        """What a vectorized function gives for columns of arguments, as it gives it: an array.
+
+        Raises FunctionError for what the Python raises, for another number of rows, and for
+        numbers that are not finite.
+        """
+        import numpy as np
+
+        call = Call(self.declared.name, None, location)
+        given = np.asarray(call.of(self.python.call, *self._state(cells), *columns))
+        if given.shape[:1] != (count := len(columns[0]),):
+            told = f"{len(given)} results" if given.ndim else f"`{given!r:.60}`"
+            raise call.wrong(f"gave {told} for {count} candidates")
+        check_finite(call, given, self.declared.type, self.world)
+        return given
 
     def _state(self, cells: Cells) -> tuple[StateView, ...]:
         """The first argument, if it is the state."""

@@ -60,13 +60,15 @@ class Given:
     """A Python function under the name of what it is for.
 
     What is not decorated has no kind yet, and is left alone, unless it was named for the program
-    (`is_meant`), where the program declares nothing of its name.
+    (`is_meant`), where the program declares nothing of its name. In a mapping, names are those of
+    the program (`is_named`).
     """
 
     name: str
     call: Python
     mark: Mark | None
     is_meant: bool
+    is_named: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +132,7 @@ def _marked(given: "str | Python | None", mark: Mark) -> Any:
 
     def decorate(python: _F) -> _F:
         try:
-            setattr(python, _MARKS, (*_marks(python), named))
+            setattr(python, _MARKS, tuple(dict.fromkeys((*_marks(python), named))))
         except AttributeError:
             message = f"{python!r:.60} cannot be decorated; give it in a mapping"
             raise TypeError(message) from None
@@ -201,7 +203,7 @@ def controller(name: _F, /) -> _F: ...
 @overload
 def controller(name: str | None = None, /) -> Callable[[_F], _F]: ...
 def controller(name: Any = None, /) -> Any:
-    """Mark what carries a controller out, `f(*arguments)`, for `crow.Robot`."""
+    """Mark what carries a controller out, `f(*arguments)`: see crow.Robot."""
     return _marked(name, Mark("controller"))
 
 
@@ -266,9 +268,9 @@ def _of_mapping(given: Mapping[Any, Any]) -> Iterator[Given]:
             raise FunctionsError(f"`{name}`: {python!r:.60} is no Python function")
         marks = _marks(python)
         for mark in marks:
-            yield Given(name, python, mark, is_meant=True)
+            yield Given(name, python, mark, is_meant=True, is_named=True)
         if not marks:
-            yield Given(name, python, None, is_meant=True)
+            yield Given(name, python, None, is_meant=True, is_named=True)
 
 
 def _marks(python: Python) -> tuple[Mark, ...]:

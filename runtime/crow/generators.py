@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from crow.calls import Call, Row, arguments_for, part_read
+from crow.calls import Call, Row, arguments_for, check_finite, part_read
 from crow.functions import Registration
 from crow.outside import taken_in
 from crow.problem import State, World
@@ -14,6 +14,7 @@ from crow.views import StateView
 
 if TYPE_CHECKING:
     from numpy.random import Generator as RandomGenerator
+    from numpy.typing import NDArray
 
 _END: Final = object()
 
@@ -61,6 +62,36 @@ class ExternalGenerator:
 
         Raises as `draw` does.
         """
+        for call, yielded in self._yielded(state, inputs, rng):
+            yield self._rows(call, yielded) if self.is_batch else [self._row(call, yielded)]
+
+    def arrays(
+        self, state: State, inputs: Row, rng: "RandomGenerator | None" = None
+    ) -> "Iterator[tuple[NDArray[Any], ...]]":
+        """The outputs of a `batch` as they are yielded: arrays with a row for each solution.
+
+        Their rows become values by `row`. Raises as `draw` does.
+        """
+        import numpy as np
+
+        for call, yielded in self._yielded(state, inputs, rng):
+            columns = tuple([call.of(np.asarray, c) for c in self._columns(call, yielded)])
+            for column, output in zip(columns, self.outputs, strict=True):
+                if len(column):  # all its rows have one type and shape
+                    call.taken(column[0], output.type, self.world)
+                check_finite(call, column, output.type, self.world)
+            yield columns
+
+    def row(self, arrays: "tuple[NDArray[Any], ...]", index: int) -> Row:
+        """One solution of a `batch`. Raises FunctionError for what is no tuple of outputs."""
+        call = Call(self.name, None, self.declared.location)
+        pairs = zip(arrays, self.outputs, strict=True)
+        return tuple([call.taken(a[index], output.type, self.world) for a, output in pairs])
+
+    def _yielded(
+        self, state: State, inputs: Row, rng: "RandomGenerator | None"
+    ) -> Iterator[tuple[Call, Any]]:
+        """What the Python yields, as it is."""
         own = arguments_for(inputs, tuple(p.type for p in self.inputs))
         first: tuple[StateView, ...] = ()
         if self.reads is not None:
@@ -73,7 +104,7 @@ class ExternalGenerator:
             raise call.wrong(f"returned `{made!r:.60}`, where a generator yields")
         solutions = call.of(iter, made)
         while (yielded := call.of(next, solutions, _END)) is not _END:
-            yield self._rows(call, yielded) if self.is_batch else [self._row(call, yielded)]
+            yield call, yielded
 
     def _row(self, call: Call, yielded: Any) -> Row:
         """The outputs of one solution."""
@@ -104,17 +135,21 @@ class ExternalGenerator:
 
     def _rows(self, call: Call, yielded: Any) -> list[Row]:
         """The outputs of many solutions, yielded as arrays with a row for each."""
+        types = [output.type for output in self.outputs]
+        return [
+            tuple([call.taken(v, t, self.world) for v, t in zip(row, types, strict=True)])
+            for row in zip(*self._columns(call, yielded), strict=True)
+        ]
+
+    def _columns(self, call: Call, yielded: Any) -> Sequence[Any]:
+        """The arrays of many solutions, of as many rows."""
         columns: Sequence[Any] = yielded if isinstance(yielded, tuple) else (yielded,)
         if len(columns) != len(self.outputs):
             raise call.wrong(f"yielded {len(columns)} arrays, where {self._wanted()} is wanted")
         counts = [len(c) if hasattr(c, "__len__") else None for c in columns]
         if None in counts or len(set(counts)) > 1:
             raise call.wrong("yielded arrays that do not have as many rows")
-        types = [output.type for output in self.outputs]
-        return [
-            tuple([call.taken(v, t, self.world) for v, t in zip(row, types, strict=True)])
-            for row in zip(*columns, strict=True)
-        ]
+        return columns
 
     def _wanted(self) -> str:
         names = ", ".join(output.name for output in self.outputs)

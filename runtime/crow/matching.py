@@ -19,6 +19,7 @@ from crow.program import (
     Not,
     Object,
     ObjectType,
+    Parameter,
     Quantified,
     Read,
     Type,
@@ -28,6 +29,7 @@ from crow.program.dependencies import features_read, features_written
 from crow.program.expressions import ComparisonOperator
 from crow.program.types import BOOL, is_number, underlying
 from crow.program.walk import statements_within
+from crow.unknowns import Unknown
 from crow.values import Value, ValueRangeError, converted
 
 Evaluate = Callable[[Expression], Value]
@@ -145,6 +147,8 @@ class Matching:
         """A value as a parameter of a type has it; None where it is none of that type."""
         if isinstance(type_, ObjectType):
             return value if self.world.is_of(value, type_) else None
+        if type(value) is Unknown:
+            return converted(value, type_) if underlying(value.type) == underlying(type_) else None
         if isinstance(value, bool) != (underlying(type_) == BOOL):
             return None
         if is_number(type_) != isinstance(value, int | float) and underlying(type_) != BOOL:
@@ -155,12 +159,19 @@ class Matching:
             return None
 
     def _completed(self, behavior: Behavior, bindings: Bindings) -> Iterator[tuple[Value, ...]]:
-        """The arguments of a behavior; what its goal leaves open is each object of its type."""
+        """The arguments of a behavior; what its goal leaves open is each object of its type.
+
+        A value that the goal leaves open is None: it is bound where the body begins.
+        """
         choices = [
-            (bindings[p.name],) if p.name in bindings else self.world.objects_of(p.type)
+            (bindings[p.name],) if p.name in bindings else self._open(p)
             for p in behavior.parameters
         ]
         return looking(product(*choices))
+
+    def _open(self, parameter: Parameter) -> tuple[Value, ...]:
+        is_object = isinstance(parameter.type, ObjectType)
+        return self.world.objects_of(parameter.type) if is_object else (None,)
 
     # ------------------------------------------------------------------------------ what no goal is
 

@@ -4,10 +4,12 @@ from collections.abc import Mapping
 from functools import cache, cached_property
 
 from crow.evaluate import shown_cell
+from crow.outside import taken_in
 from crow.problem import Cell, State, World
-from crow.program import ListType, ObjectType, Type, VectorType
-from crow.program.types import BOOL, NamedType, is_number, underlying
-from crow.values import Value, ValueRangeError, default_value, stored
+from crow.program import ListType, Type, VectorType
+from crow.program.types import NamedType, is_number
+from crow.reading import WrongValueError
+from crow.values import Value, default_value, stored
 
 
 class Observing:
@@ -102,17 +104,8 @@ class Observing:
         return feature.type
 
     def _value(self, cell: Cell, type_: Type, value: object) -> Value:
-        plain = underlying(type_)
-        is_right = True
-        if isinstance(plain, ObjectType):
-            is_right = self.world.is_of(value, plain)
-        elif plain == BOOL:
-            is_right = isinstance(value, bool)
-        elif is_number(plain):
-            is_right = isinstance(value, int | float) and not isinstance(value, bool)
         try:
-            if is_right:
-                return stored(value, type_)
-        except (ValueRangeError, TypeError, ValueError):
-            is_right = False
-        raise ValueError(f"the observed `{shown_cell(cell)}` is {value!r}, which is no `{type_}`")
+            return stored(taken_in(value, type_, self.world), type_)
+        except (WrongValueError, ArithmeticError):
+            shown = f"the observed `{shown_cell(cell)}` is {value!r}"
+            raise ValueError(f"{shown}, which is no `{type_}`") from None

@@ -4,24 +4,7 @@ from crow.problem import World
 from crow.program import PYOBJECT, ListType, Type
 from crow.program.types import underlying
 from crow.reading import WrongValueError, read_json, wrong_value
-from crow.values import Value
-
-
-class Opaque:
-    """A Python value that cannot be hashed, or is None: inside, it is compared by identity."""
-
-    __slots__ = ("value",)
-
-    def __init__(self, value: object) -> None:
-        self.value = value
-
-    def __repr__(self) -> str:
-        return repr(self.value)
-
-
-def given_out(value: Value) -> Value:
-    """A value as the user's Python gets it."""
-    return value.value if isinstance(value, Opaque) else value
+from crow.values import Opaque, Value
 
 
 def taken_in(value: object, type_: Type, world: World) -> Value:
@@ -33,11 +16,11 @@ def taken_in(value: object, type_: Type, world: World) -> Value:
     """
     plain = underlying(type_)
     if plain == PYOBJECT:
-        return _opaque(value)
+        return hashable(value)
     if isinstance(plain, ListType) and underlying(plain.element) == PYOBJECT:
         if not isinstance(value, list | tuple):
             raise wrong_value(repr(value), type_)
-        return tuple(map(_opaque, value))
+        return tuple(map(hashable, value))
     try:
         return read_json(_pure(value), type_, world)
     except WrongValueError as error:
@@ -57,9 +40,10 @@ def _pure(value: object) -> object:
     return value
 
 
-def _opaque(value: object) -> Value:
-    if value is None or isinstance(value, Opaque):
-        return value if isinstance(value, Opaque) else Opaque(None)
+def hashable(value: object) -> Value:
+    """A Python value as it stands inside: itself, or Opaque where it cannot be hashed."""
+    if value is None:
+        return Opaque(None)
     try:
         hash(value)
     except TypeError:

@@ -1,10 +1,10 @@
 """Plans and their JSON (interface.md): one step is one controller call."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from crow.trace import Trace, item_json
-from crow.values import Value
+from crow.values import Value, given_out, json_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,14 +22,23 @@ class Step:
     arguments: tuple[Value, ...] = ()
     also: tuple[str, ...] = ()
 
+    def given_out(self) -> "Step":
+        """The step with values as the user's Python has them."""
+        return replace(
+            self,
+            behavior_arguments=tuple(map(given_out, self.behavior_arguments)),
+            bindings={name: given_out(value) for name, value in self.bindings.items()},
+            arguments=tuple(map(given_out, self.arguments)),
+        )
+
     def json(self) -> dict[str, Any]:
         """The step as it stands in a plan's JSON."""
         step: dict[str, Any] = {
             "behavior": self.behavior,
-            "behavior_arguments": list(self.behavior_arguments),
-            "bindings": dict(self.bindings),
+            "behavior_arguments": list(map(json_value, self.behavior_arguments)),
+            "bindings": {name: json_value(value) for name, value in self.bindings.items()},
             "controller": self.controller,
-            "arguments": list(self.arguments),
+            "arguments": list(map(json_value, self.arguments)),
         }
         return {**step, "also": list(self.also)} if self.also else step
 
@@ -89,7 +98,15 @@ def call_text(name: str, arguments: tuple[Value, ...], bindings: dict[str, Value
 
 
 def _written(value: Value) -> str:
-    return f"[{', '.join(map(_written, value))}]" if isinstance(value, tuple) else str(value)
+    match value:
+        case (tuple() as first, _, _, *_, last):  # a way, say: its points would fill the line
+            return f"[{_written(first)}, …, {_written(last)}]"
+        case tuple():
+            return f"[{', '.join(map(_written, value))}]"
+        case bool() | int() | float() | str():
+            return str(value)
+        case _:
+            return " ".join(repr(value).split())
 
 
 def plan_text(steps: tuple[Step, ...]) -> str:

@@ -18,6 +18,7 @@ from crow.program.walk import statements_within
 from crow.refinement import Refinement
 from crow.replay import Replay, replay_to_goal
 from crow.results import LimitReached, OutOfMemory, Plan, TimedOut, Unsolvable
+from crow.support import OF_OBJECTS
 from crow.trace import Trace
 
 if TYPE_CHECKING:
@@ -81,6 +82,7 @@ class Planning:
         time_limit: float | None = None,
         node_limit: int | None = None,
         depth_limit: int | None = None,
+        draw_limit: int | None = None,
         memory_limit_mb: int | None = None,
         on_progress: Progress | None = None,
         optimal: bool = False,
@@ -90,6 +92,8 @@ class Planning:
         if h not in HEURISTICS:
             raise ValueError(f"no heuristic `{h}`; there are {', '.join(HEURISTICS)}")
         missing = problem.world.unsupported
+        if missing is None and engine in OF_OBJECTS:
+            missing = problem.world.chosen_value
         if missing is not None:
             raise NotPlannable(missing.construct, missing.location)
         self.problem = problem
@@ -101,7 +105,7 @@ class Planning:
         self.cheapest: Cheapest | None = None
         self.end: Result | None = None
         self._make: Callable[[], Engine] = lambda: _engine(
-            problem, engine, self._check, depth_limit, h
+            problem, engine, self._check, depth_limit, h, seed, draw_limit
         )
         self._engine: Engine | None = None
         self._tree: Refinement | None = None
@@ -152,7 +156,8 @@ class Planning:
         if not self.optimal:
             return found
         self._tree = self._last()
-        if self.name == "reference" or _commits(self.problem):
+        world = self.problem.world
+        if self.name == "reference" or world.chosen_value or _commits(self.problem):
             return self._cheapest_of(found, plans)
         return self._improved(found)
 
@@ -226,7 +231,8 @@ class Planning:
             failure = replayed.failure
             raise AssertionError(f"no plan: `{failure.condition}`: {failure.reason}")
         cost = self._cost(steps, replayed)
-        return Plan(self.name, steps, trace, cost, self.seed, self.statistics())
+        given = tuple(step.given_out() for step in steps)
+        return Plan(self.name, given, trace, cost, self.seed, self.statistics())
 
     def _cost(self, steps: tuple[Step, ...], replayed: Replay) -> float:
         if self.problem.minimize is not None:
@@ -280,9 +286,13 @@ def _identity(steps: tuple[Step, ...]) -> tuple[object, ...]:
 
 
 def _engine(
-    problem: Problem, name: str, check: Any, depth_limit: int | None, heuristic: str
-) -> Engine:
+    problem: Problem, name: str, check: Any, depth_limit: int | None, heuristic: str,
+    seed: int, draw_limit: int | None,
+) -> Engine:  # fmt: skip
     from crow.search.strategies import Best, Deepening
+
+    if name == "auto" and problem.world.chosen_value is not None:
+        name = "iddfs"
 
     match name:
         case "reference":
@@ -292,11 +302,11 @@ def _engine(
         case "iddfs":
             from crow.search.engine import CrowEngine
 
-            return Deepening(CrowEngine(problem, check), depth_limit)
+            return Deepening(CrowEngine(problem, check, seed=seed), depth_limit, draw_limit)
         case "iw":
             from crow.search.widening import Widening
 
-            return Widening(problem, check, depth_limit)
+            return Widening(problem, check, depth_limit, seed=seed, draw_limit=draw_limit)
         case "best":
             return Best(problem, check, depth_limit, heuristic)
         case _:

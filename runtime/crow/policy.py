@@ -9,21 +9,31 @@ from typing import Any
 
 from crow.evaluate import EvaluationError, holds
 from crow.observing import Observing
+from crow.outside import hashable
 from crow.plan import Result, Step, call_text
 from crow.planning import Planning
 from crow.problem import Cell, Problem, State, World
 from crow.replay import Failure, replay, replay_to_goal
 from crow.results import Plan
 from crow.trace import DoItem, EffItem, Trace, TraceItem
-from crow.values import Value
+from crow.values import Value, given_out
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ControllerCall:
-    """The next thing to do."""
+    """The next thing to do; opaque values among the arguments are compared by identity."""
 
     controller: str
     arguments: tuple[Value, ...] = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ControllerCall) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def _key(self) -> tuple[Value, ...]:
+        return (self.controller, *map(hashable, self.arguments))
 
     def __str__(self) -> str:
         return call_text(self.controller, self.arguments, {})
@@ -179,7 +189,11 @@ def _stages(plan: Plan) -> list[_Stage]:
                 pending = []
         do = trace[place]
         assert isinstance(do, DoItem)
-        stages.append(_Stage(ControllerCall(do.controller, do.arguments), end, tuple(kept)))
+        stages.append(
+            _Stage(
+                ControllerCall(do.controller, tuple(map(given_out, do.arguments))), end, tuple(kept)
+            )
+        )
     return stages
 
 

@@ -58,8 +58,8 @@ class World:
         return World(with_effects(program, registered), own, registered)
 
     def __getstate__(self) -> dict[str, object]:
-        # What was found out about a world is not sent along, and Python functions remember much.
-        return {f.name: getattr(self, f.name) for f in fields(self)}
+        # What was found out about a world is not sent along: compiled programs cannot be.
+        return {own.name: getattr(self, own.name) for own in fields(self)}
 
     @cached_property
     def externals(self) -> "Externals":
@@ -72,9 +72,6 @@ class World:
     def kept(self) -> dict[str, Any]:
         """What planning has computed about the world and may use again; never pickled."""
         return {}
-
-    def __getstate__(self) -> dict[str, object]:
-        return {own.name: getattr(self, own.name) for own in fields(self)}
 
     @cached_property
     def hierarchy(self) -> Hierarchy:
@@ -102,6 +99,13 @@ class World:
         from crow.support import unsupported
 
         return unsupported(self.program, self.registered.functions.keys())
+
+    @cached_property
+    def chosen_value(self) -> "Unsupported | None":
+        """The first place where the program binds a value, looked for once."""
+        from crow.support import chosen_value
+
+        return chosen_value(self.program)
 
     @cached_property
     def functions(self) -> Mapping[str, Function]:

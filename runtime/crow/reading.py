@@ -3,7 +3,7 @@
 import math
 
 from crow.problem import World
-from crow.program import STRING, ListType, ObjectType, Type, VectorType
+from crow.program import PYOBJECT, STRING, ListType, ObjectType, Type, VectorType
 from crow.program.types import BOOL, is_number, underlying
 from crow.values import Value, converted
 
@@ -31,6 +31,8 @@ def read_json(value: object, type_: Type, world: World) -> Value:
             return value
         case plain, int() | float() if is_number(plain) and not isinstance(value, bool):
             read = value
+        case plain, _ if plain == PYOBJECT:
+            return _plain_data(value)
         case _:
             raise wrong_value(repr(value), type_)
     if isinstance(read, float) and not math.isfinite(read):
@@ -39,6 +41,19 @@ def read_json(value: object, type_: Type, world: World) -> Value:
         return converted(read, type_)
     except ArithmeticError as error:
         raise WrongValueError(str(error)) from None
+
+
+def _plain_data(value: object) -> Value:
+    """A value of Python that is plain data, lists as tuples. Raises WrongValueError for others."""
+    match value:
+        case list() | tuple():
+            return tuple(map(_plain_data, value))
+        case bool() | int() | float() | str():
+            return value
+        case {"opaque": str(shown)}:
+            raise WrongValueError(f"`{shown:.40}` is a value of Python, which no file has")
+        case _:
+            raise wrong_value(repr(value), PYOBJECT)
 
 
 def wrong_value(written: str, type_: Type) -> WrongValueError:

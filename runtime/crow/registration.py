@@ -1,7 +1,7 @@
 """Python bound to the declarations of one program, with all that does not fit told at once."""
 
 import inspect
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any, Final, assert_never, get_args
@@ -34,8 +34,9 @@ def registered(program: Program, given: object) -> Registered:
         return NOTHING
     if isinstance(given, Registered):
         return given
-    binding = _Binding(program)
-    for one in collected(given).given:
+    taken = collected(given).given
+    binding = _Binding(program, taken)
+    for one in taken:
         binding.take(one)
     if binding.mistakes:
         told = "\n".join(
@@ -64,8 +65,9 @@ def _simulated(controller: Controller) -> Simulate:
 class _Binding:
     """What was taken so far for the declarations of one program, and what is wrong with it."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, given: Sequence[Given]) -> None:
         self.program = program
+        self.given = given
         self.mistakes: list[Mistake] = []
         self.found: dict[Kind, dict[str, Registration]] = {k: {} for k in get_args(Kind)}
         self.declared: dict[Kind, dict[str, _Declared]] = {
@@ -82,7 +84,7 @@ class _Binding:
             return
         declared = self.declared[mark.kind].get(given.name)
         if declared is None:
-            if given.is_meant:
+            if self._is_mistaken(given, mark.kind):
                 self._undeclared(given.name, mark.kind)
             return
         if given.name in self.found[mark.kind]:
@@ -107,6 +109,19 @@ class _Binding:
         elif given.is_meant:
             self._undeclared(given.name, "function")
         return None
+
+    def _is_mistaken(self, given: Given, kind: Kind) -> bool:
+        """Whether something that the program does not declare is a mistake.
+
+        A module or object may serve several programs: what is decorated in it is a mistake only if
+        something of its kind is missing that it was perhaps meant to be.
+        """
+        if given.is_named or any(given.name == d.name for d in _definitions(self.program)):
+            return given.is_meant
+        missing = list(self.declared[kind].keys() - {one.name for one in self.given})
+        others = [one for one in self.given if one.name not in self.declared[kind]]
+        likely = [one for one in others if get_close_matches(one.name, missing, 1)]
+        return bool(missing) and (given in likely or not likely)
 
     def _undeclared(self, name: str, kind: Kind) -> None:
         declared = {d.name: d for d in _definitions(self.program)}

@@ -13,6 +13,9 @@ LIMITS: Final = {
     "nodes": "the node limit was reached",
     "time": "the time limit was reached",
     "memory": "the memory limit was reached",
+    "draws": "generators may yield more values than were drawn",
+    "generator": "a generator ended that is not said to yield every value",
+    "solver": "some value has no generator that can be asked for it, and no equation to compute it",
     "commit": "a `commit` kept choices from being tried",
     "recursion": "the reference engine ran out of Python's stack",
 }

@@ -101,7 +101,7 @@ _FIGURES = ("states", "effects", "evaluations")
 
 
 def statistics_text(statistics: Mapping[str, Any]) -> str:
-    """Figures of a search for people, in one or two lines."""
+    """Figures of a search for people, in up to three lines."""
     depth = f", to depth {statistics['depth']}" if "depth" in statistics else ""
     depth += f" in width {statistics['width']}" if "width" in statistics else ""
     seconds = f" in {statistics['seconds']:.1f} s" if "seconds" in statistics else ""
@@ -111,5 +111,26 @@ def statistics_text(statistics: Mapping[str, Any]) -> str:
         f"{number:,} {_LEFT_OUT.get(kind, kind)}"
         for kind, number in statistics.get("pruned", {}).items()
     )
-    text = f"{text}: {figures}" if figures else text
-    return f"{text}\nleft out: {left_out}" if left_out else text
+    lines = [f"{text}: {figures}" if figures else text]
+    if left_out:
+        lines.append(f"left out: {left_out}")
+    if drawn := statistics.get("generators"):
+        told = (f"{tally['yielded']:,} from `{name}`" for name, tally in drawn.items())
+        lines.append(f"values drawn: {', '.join(told)}")
+    return "\n".join(lines)
+
+
+def draws_text(generators: Mapping[str, Any]) -> str:
+    """What became of the draws of each generator, for people; a line each."""
+    lines = []
+    for name, tally in generators.items():
+        told = f"generator `{name}`: {_counted(tally['calls'], 'call')}"
+        told += f", {_counted(tally['yielded'], 'value')}"
+        for constraint, count in tally["rejected"].items():
+            told += f", {count:,} rejected by {constraint}"
+        lines.append(told)
+    return "\n".join(lines)
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count:,} {what}{'' if count == 1 else 's'}"

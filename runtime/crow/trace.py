@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from crow.program import Expression, Location, Parameter, Statement
-from crow.values import Value
+from crow.values import Value, json_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +48,12 @@ def item_json(item: TraceItem) -> dict[str, Any]:
     """A trace item as it stands in a plan's JSON."""
     match item:
         case DoItem():
-            return {"do": item.controller, "arguments": list(item.arguments)}
+            return {"do": item.controller, "arguments": list(map(json_value, item.arguments))}
         case AssertItem():
-            return {"assert": item.text, "variables": dict(item.variables)}
+            return {"assert": item.text, "variables": _variables(item)}
         case EffItem():
-            return {"eff": item.owner, "variables": dict(item.variables)}
+            return {"eff": item.owner, "variables": _variables(item)}
+
+
+def _variables(item: AssertItem | EffItem) -> dict[str, object]:
+    return {name: json_value(value) for name, value in item.variables.items()}

@@ -101,6 +101,12 @@ def has_unknown(value: object) -> bool:
     return type(value) is tuple and any(map(has_unknown, value))
 
 
+def touch(value: object) -> None:
+    """Raise Touched for what is an unknown or has one among its elements."""
+    for unknown in unknowns_in(value):
+        raise Touched(unknown)
+
+
 def resolved(value: object, values: Mapping[Unknown, object]) -> object:
     """A value with the unknowns in it that have a value replaced by it."""
     if type(value) is Unknown:

@@ -16,6 +16,44 @@ Value = Any
 _WIDTHS: dict[Type, int] = {INT32: 32, INT64: 64}
 
 
+class Opaque:
+    """A Python value that cannot be hashed, or is None: inside, it stands for that one object.
+
+    It equals the value itself, and nothing else that looks like it.
+    """
+
+    __slots__ = ("value",)
+    __array_ufunc__ = None  # numpy leaves `==` to this class
+
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+    def __eq__(self, other: object) -> bool:
+        return self.value is (other.value if isinstance(other, Opaque) else other)
+
+    def __hash__(self) -> int:
+        return id(self.value)
+
+    def __repr__(self) -> str:
+        return " ".join(repr(self.value).split())
+
+
+def given_out(value: Value) -> Value:
+    """A value as the user's Python gets it."""
+    return value.value if isinstance(value, Opaque) else value
+
+
+def json_value(value: Value) -> object:
+    """A value as documents have it: a vector as a list, an opaque value as its `repr`, marked."""
+    match value:
+        case None | bool() | int() | float() | str():
+            return value
+        case tuple():
+            return [json_value(item) for item in value]
+        case _:
+            return {"opaque": " ".join(repr(value).split())}
+
+
 class ValueRangeError(ArithmeticError):
     """A number that its type does not hold."""
 

@@ -3,10 +3,9 @@
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from crow.outside import given_out
 from crow.problem import Cell, World
 from crow.program import Feature
-from crow.values import Value
+from crow.values import Value, given_out
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet

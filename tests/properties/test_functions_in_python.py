@@ -1,11 +1,21 @@
 """Programs with functions in Python plan as those with the same functions in CDL."""
 
+from collections.abc import Callable
+from dataclasses import fields, replace
+from itertools import count
+from typing import Any
+
 import pytest
-from oracle import ENGINES, answer, compare
+from oracle import ENGINES, OverTheCapError, answer, compare
+from programs import problem_of
+from small_programs import small_program
 from towers_in_python import IN_CDL, OUTSIDE, PYTHON, READING_ALL, towers
 
 import crow
 from crow.planning import NotPlannable
+from crow.problem import Problem
+from crow.program import Achieve, Annotation, Apply, Function, Node, Read
+from crow.registration import registered
 from crow.replay import replay_to_goal
 
 CASES = {
@@ -63,3 +73,67 @@ def test_what_python_raises_ends_the_search(engine: str) -> None:
     assert error.location is not None
     assert "raise KeyError(x)" in error.traceback
     assert "externals.py" not in error.traceback
+
+
+# ------------------------------------------------------------------------------ random programs
+
+
+def through_functions(problem: Problem, *, says_which: bool) -> Problem:
+    """The problem with each read of what is no goal as a call of Python that reads the state.
+
+    Such a function `says_which` feature it reads, or that it reads all.
+    """
+    program = problem.world.program
+    functions = tuple(
+        Function(
+            f"read_{f.name}", f.parameters, f.type, None,
+            annotations=(Annotation("reads", (f.name if says_which else "all",)),),
+        )
+        for f in program.features
+    )  # fmt: skip
+    changed = replace(
+        program,
+        functions=(*program.functions, *functions),
+        behaviors=tuple(map(_read_through, program.behaviors)),
+        controllers=tuple(map(_read_through, program.controllers)),
+    )
+    python = {f"read_{f.name}": _reader(f.name) for f in program.features}
+    world = replace(problem.world, program=changed, registered=registered(changed, python))
+    return problem.changed(world=world)
+
+
+def _reader(feature: str) -> Callable[..., Any]:
+    return lambda state, *objects: state[feature, *objects]
+
+
+def _read_through(node: Any) -> Any:
+    if isinstance(node, tuple):
+        return tuple(map(_read_through, node))
+    if isinstance(node, Achieve) or not isinstance(node, Node):
+        return node
+    parts = {f.name: getattr(node, f.name) for f in fields(node) if f.name != "goal"}
+    made = replace(node, **{name: _read_through(part) for name, part in parts.items()})
+    if isinstance(made, Read):
+        return Apply(f"read_{made.feature}", made.arguments, made.type, location=made.location)
+    return made
+
+
+@pytest.mark.parametrize("part", range(5))
+def test_random_programs_that_read_through_python(part: int) -> None:
+    """250 programs to depth 2, with equal plans whichever way they read."""
+    solvable = compared = 0
+    for seed in count(700_000 + 1_000 * part):
+        small = small_program(seed)
+        problem = problem_of(small.domain, small.problem)
+        through = through_functions(problem, says_which=bool(seed % 2))
+        try:
+            expected = compare(problem, 2, engines=())
+            found = compare(through, 2, engines=(ENGINES[seed % len(ENGINES)],))
+        except OverTheCapError:
+            continue
+        assert found.plans == expected.plans, f"seed {seed}\n{small.domain}{small.problem}"
+        solvable += bool(found.plans)
+        compared += 1
+        if compared == 50:
+            break
+    assert solvable > 10

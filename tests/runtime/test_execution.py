@@ -214,12 +214,12 @@ def test_a_controller_may_return_the_state_it_led_to() -> None:
 
 def test_a_program_without_plans_is_refused() -> None:
     domain = """
-    typedef Pose: vector[float32, 2]
     feature r()
+    def ready() -> bool
     behavior b():
       goal: r()
       body:
-        bind x: Pose
+        assert ready()
       eff: r[...] = True
     """
     problem = problem_of(domain, 'problem "p"\ngoal: r()\n')

@@ -113,6 +113,23 @@ def test_values_functions_and_what_to_minimize(numbers: crow.Domain) -> None:
     assert [step.arguments for step in plan.steps] == [("cook",)]
 
 
+@pytest.mark.parametrize(("pose", "holds"), [((1, 2), True), ([1.0, 2], True), ((1, 2.5), False)])
+def test_goals_may_use_vectors_of_either_kind_of_number(
+    tmp_path: Path, pose: Any, holds: bool
+) -> None:
+    file = tmp_path / "poses.cdl"
+    file.write_text(
+        "feature cell() -> vector[int64, 2]\nfeature pose() -> vector[float64, 2]\n"
+        "def is_at(p: vector[float64, 2]) -> bool:\n  return pose == p\n"
+    )
+    domain = cdlc.load(file)
+    init = {"cell": (1, 2), "pose": (1, 2)}
+    problem = crow.Problem(domain, {}, init, "is_at(p)", values={"p": pose})
+    assert isinstance(crow.plan(problem), crow.Plan) == holds
+    problem = crow.Problem(domain, {}, init, "cell == p", values={"p": (1, 2)})
+    assert isinstance(crow.plan(problem), crow.Plan)
+
+
 def test_functions_in_python_are_asked(numbers: crow.Domain) -> None:
     problem = crow.Problem(numbers, {"cellar": "room"}, {"at": "hall"}, "lit(cellar)")
     assert isinstance(crow.plan(problem), crow.Unsolvable)

@@ -183,9 +183,9 @@ def _used_names(subject: Subject, init: tuple[Statement, ...]) -> set[str]:
 
 
 def _read_by_functions(subject: Subject) -> Iterator[str]:
-    """The features that external functions say they read."""
-    for function in subject.program.functions:
-        for annotation in function.annotations:
+    """The features that external functions and generators say they read."""
+    for declared in (*subject.program.functions, *subject.program.generators):
+        for annotation in declared.annotations:
             if annotation.name == "reads" and isinstance(annotation.value, tuple):
                 if "all" in annotation.value:
                     yield from (f.name for f in subject.program.features)

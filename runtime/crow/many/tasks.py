@@ -20,6 +20,7 @@ class Configuration:
     time_limit: float | None = None
     node_limit: int | None = None
     depth_limit: int | None = None
+    draw_limit: int | None = None
     memory_limit_mb: int | None = None
     optimal: bool = False
     name: str = ""
@@ -31,7 +32,7 @@ class Configuration:
             raise ValueError(f"no engine `{self.engine}`; there are {', '.join(ENGINES)}")
         if self.h not in HEURISTICS:
             raise ValueError(f"no heuristic `{self.h}`; there are {', '.join(HEURISTICS)}")
-        for limit in ("time_limit", "node_limit", "memory_limit_mb"):
+        for limit in ("time_limit", "node_limit", "draw_limit", "memory_limit_mb"):
             value = getattr(self, limit)
             if value is not None and not 0 < value < float("inf"):
                 raise ValueError(f"`{limit}` has to be positive, not {value!r}")

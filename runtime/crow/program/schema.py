@@ -91,7 +91,7 @@ def definitions() -> dict[str, Any]:
             "minItems": 5,
         },
         **{
-            name: _choice({m.__name__: _reference(m) for m in get_args(family)})
+            name: _choice({n: _reference(m) for n, m in NODES.items() if m in get_args(family)})
             for name, family in _FAMILIES.items()
         },
         **nodes,

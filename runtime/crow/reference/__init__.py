@@ -61,8 +61,8 @@ class ReferenceEngine:
         self.nodes = 0
         self.result: Result | None = None
 
-    def round(self, depth: int) -> Iterator[tuple[tuple[Step, ...], Trace]]:
-        """The plans up to a depth."""
+    def round(self, depth: int, _draws: int = 1) -> Iterator[tuple[tuple[Step, ...], Trace]]:
+        """The plans up to a depth; nothing is drawn."""
         self.nodes += self.last.nodes
         self.last = last = Refinement(
             self.problem.world, depth, lambda: self.check(self.nodes + last.nodes)

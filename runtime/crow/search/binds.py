@@ -5,11 +5,11 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from crow.budget import looking
-from crow.evaluate import EvaluationError
 from crow.program import And, Bind, Expression, Object, Read, Variable
 from crow.program.types import BOOL, underlying
 from crow.search.code import Test
 from crow.search.expressions import Environment, Slots
+from crow.search.points import holds
 from crow.search.states import Snapshot
 from crow.values import Value
 
@@ -35,16 +35,9 @@ def candidates(programs: "Programs", node: Bind, test: Test | None, slots: Slots
         if test is None:
             return list(found)
         before, after = values[:first], values[first + len(names) :]
-        return [chosen for chosen in found if _holds(test, state, (*before, *chosen, *after))]
+        return [chosen for chosen in found if holds(test, state, (*before, *chosen, *after))]
 
     return choices
-
-
-def _holds(test: Test, state: Snapshot, values: Environment) -> bool:
-    try:
-        return bool(test.holds(state, values))
-    except EvaluationError:
-        return False
 
 
 class Indexed:

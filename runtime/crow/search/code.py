@@ -6,7 +6,7 @@ Every instruction is one object of its own, compared by identity; variables are 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from crow.program import Behavior, Expression, Location, Statement
+from crow.program import Behavior, Expression, Location, Parameter, Statement
 from crow.search.effects import Effect
 from crow.search.expressions import Compiled, Environment, Slots
 from crow.search.states import Snapshot
@@ -135,6 +135,20 @@ class BindOp:
 
 
 @dataclass(slots=True, eq=False)
+class DrawOp:
+    """`bind` of values: variables in its slots, of which `test` is a constraint, if it has one.
+
+    The variables may be parameters that the goal does not mention, which calls may have given.
+    """
+
+    slots: tuple[int, ...]
+    variables: tuple[Parameter, ...]
+    test: Test | None
+    location: Location | None
+    is_parameter: bool = False
+
+
+@dataclass(slots=True, eq=False)
 class LetOp:
     """`let`, and the assignment of a local."""
 
@@ -202,6 +216,7 @@ Op = (
     | CallOp
     | DoOp
     | BindOp
+    | DrawOp
     | LetOp
     | FixOp
     | IfOp

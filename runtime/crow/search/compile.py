@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from itertools import product
 from threading import Lock
+from typing import Final
 
 from crow.budget import looking
 from crow.conditions import Wanted as Conditions
@@ -37,7 +38,8 @@ from crow.program import (
     Statement,
 )
 from crow.program.names import fresh_name
-from crow.program.walk import statements_within
+from crow.program.types import is_object
+from crow.program.walk import free_variables, statements_within
 from crow.search import code
 from crow.search.binds import candidates
 from crow.search.code import Block, Code, Op, Test, Wanted
@@ -45,6 +47,7 @@ from crow.search.effects import Effect, Effects
 from crow.search.expressions import Compiled, Compiler, Environment, Slots
 from crow.search.reach import Reach
 from crow.search.states import Snapshot
+from crow.support import open_parameters
 from crow.values import Value
 
 
@@ -65,6 +68,7 @@ class Programs:
         self._codes: dict[str, Code] = {}
         self._goals: dict[tuple[Expression, Location | None], tuple[Wanted, Test, int]] = {}
         self._controllers: dict[str, Effect | None] = {}
+        self.written: dict[Compiled, tuple[Expression, Slots]] = {}
 
     @staticmethod
     def of(world: World) -> "Programs":
@@ -108,6 +112,11 @@ class Programs:
         wanted = body.wanted(self.conditions.normal(goal), {})
         return wanted, body.test(goal, {}), body.size
 
+    def term(self, node: Expression, slots: Slots) -> Compiled:
+        """A value, compiled."""
+        with self._lock:
+            return self.compiler.expression(node, slots)
+
     def controller(self, name: str) -> Effect | None:
         """The effect of a controller, if it has one."""
         if name not in self._controllers:
@@ -129,12 +138,21 @@ class _Body:
         self.bound: list[tuple[str, int]] = []
         self.loops = 0
         self.unsure: set[int] = set()
+        self.values_bound: set[int] = set()
 
     def compile(self) -> None:
         """Fill the target."""
         target, behavior = self.target, self.target.behavior
         slots: Slots = {p.name: i for i, p in enumerate(behavior.parameters)}
+        drawn = open_parameters(behavior)
+        own = tuple(slots[p.name] for p in drawn)
+        self.values_bound.update(own)
         target.left, slots = self.block(behavior.left, slots)
+        opening: Block = ()
+        if drawn:
+            opening = (code.DrawOp(own, drawn, None, behavior.location, is_parameter=True),)
+        if behavior.promotable is not None:
+            target.left = (*opening, *target.left)
         if behavior.promotable is not None:
             members, slots = self.block(behavior.promotable.members, slots)
             is_sequence = behavior.promotable.order == "sequential"
@@ -144,6 +162,8 @@ class _Body:
                 else code.UnorderedOp(members, None, (), commits=False)
             )
         target.right, slots = self.block(behavior.right, slots)
+        if behavior.promotable is None:
+            target.right = (*opening, *target.right)
         if behavior.effect is not None:
             target.effect = self.programs.effects.effect(behavior.effect, slots)
             target.effect_slots = slots
@@ -182,7 +202,8 @@ class _Body:
         has_effect = self.target.has_effect
         match node:
             case Assert(condition=condition):
-                return code.AssertOp(self.test(condition, slots, node.location), has_effect)
+                is_held = has_effect and not self.is_of_values(condition, slots)
+                return code.AssertOp(self.test(condition, slots, node.location), is_held)
             case Achieve(condition=condition, once=once):
                 normal = self.programs.conditions.normal(condition)
                 wanted = self.wanted(normal, slots, node.location)
@@ -269,9 +290,33 @@ class _Body:
                 self.bound.append((name, first + offset))
         condition = node.condition
         test = None if condition is None else self.test(condition, inner, node.location)
+        values = tuple(v for v in node.variables if not is_object(v.type))
+        if values:
+            return self.bind_values(node, values, test, inner), inner
         choices = candidates(self.programs, node, test, inner)
         own = tuple(range(first, first + len(node.variables)))
         return code.BindOp(own, choices, test, self.target.has_effect, node), inner
+
+    def is_of_values(self, condition: Expression, slots: Slots) -> bool:
+        """Whether a condition is about a value that is bound: it is one of its own time step."""
+        return any(slots[n] in self.values_bound for n in free_variables(condition) if n in slots)
+
+    def bind_values(
+        self, node: Bind, values: tuple[Parameter, ...], test: Test | None, slots: Slots
+    ) -> Op:
+        """A bind of values; any objects beside them are each of their type."""
+        own = tuple(slots[v.name] for v in values)
+        self.values_bound.update(own)
+        drawn = code.DrawOp(own, values, test, node.location)
+        objects = tuple(v for v in node.variables if is_object(v.type))
+        if not objects:
+            return drawn
+        tuples = [*product(*(self.programs.world.objects_of(v.type) for v in objects))]
+        own = tuple(slots[v.name] for v in objects)
+        every = code.BindOp(
+            own, lambda _state, _values: tuples, None, is_held=False, statement=node
+        )
+        return code.SequenceOp((every, drawn))
 
     # -------------------------------------------------------------------------------- expressions
 
@@ -288,7 +333,9 @@ class _Body:
         return own, tuple(looking(product(*domains)))
 
     def value(self, node: Expression, slots: Slots) -> Compiled:
-        return self.programs.compiler.expression(node, slots, self.unsure)
+        compiled = self.programs.compiler.expression(node, slots, self.unsure)
+        self.programs.written[compiled] = node, slots
+        return compiled
 
     def values(self, nodes: tuple[Expression, ...], slots: Slots) -> tuple[Compiled, ...]:
         return tuple(self.value(node, slots) for node in nodes)
@@ -331,6 +378,8 @@ class _Body:
             key = tuple([_or_none(part, state, values) for part in plain])
             result = known.get(key)
             if result is None:
+                if len(known) >= _MOST_REMEMBERED:  # values that are drawn never come again
+                    known.clear()
                 applications, is_step = matching.applications(
                     node, lambda part: parts[id(part)](state, values)
                 )
@@ -341,6 +390,7 @@ class _Body:
         return found
 
 
+_MOST_REMEMBERED: Final = 10_000
 _UNSET = object()
 
 

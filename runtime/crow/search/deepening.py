@@ -6,7 +6,8 @@ from math import inf
 from typing import Final
 
 from crow.search.machine import Machine
-from crow.search.points import Choice, Point
+from crow.search.points import GENERATOR, SOLVER, Choice, Point, Undecided
+from crow.unknowns import Touched
 
 DEPTH: Final = 1
 """A branch was cut by the depth limit."""
@@ -18,6 +19,8 @@ HOPELESS: Final = 8
 """A branch was cut because nothing within the depth limit could make true what it needs."""
 WIDTH: Final = 16
 """A branch was cut by the limit of width."""
+_FINAL: Final = GENERATOR | SOLVER
+"""What is the same in a deeper round."""
 
 
 @dataclass(slots=True)
@@ -54,7 +57,7 @@ class Search:
         machine = self.machine
         machine.depth_limit = depth
         # What was searched through without a cut is a dead end at any depth.
-        self.remembered = {key: 0 for key, cut in self.remembered.items() if not cut}
+        self.remembered = {k: cut for k, cut in self.remembered.items() if not cut & ~_FINAL}
         self.stack = [Entry(None, iter((machine.start(),)))]
         while self.stack:
             self.check()
@@ -62,8 +65,10 @@ class Search:
                 yield None
             entry = self.stack[-1]
             machine.is_cut = machine.is_hopeless = machine.is_too_wide = False
-            point = next(entry.options, None)
+            machine.cut_of_values = 0
+            point = self._next(entry)
             step = None if point is None else machine.run(point)
+            entry.left_out |= machine.cut_of_values
             if machine.is_cut:
                 entry.left_out |= DEPTH
             if machine.is_too_wide:
@@ -78,6 +83,13 @@ class Search:
             elif step is not None:
                 entry.left_out |= FOUND
                 yield step
+
+    def _next(self, entry: Entry) -> Point | None:
+        try:
+            return next(entry.options, None)
+        except (Touched, Undecided):  # an `if` in the M of a member, say
+            entry.left_out |= SOLVER
+            return None
 
     def _enter(self, choice: Choice, above: Entry) -> None:
         """Go on below a choice, unless it is known to lead nowhere."""

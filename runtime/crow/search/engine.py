@@ -10,6 +10,7 @@ from crow.search.deepening import COMMIT, DEPTH, HOPELESS, WIDTH, Search
 from crow.search.explain import explanation
 from crow.search.machine import Machine
 from crow.search.plans import plan_of
+from crow.search.points import DRAWS, GENERATOR, SOLVER
 from crow.search.tree import refinement
 from crow.search.width import Narrow
 from crow.trace import Trace
@@ -30,16 +31,26 @@ class CrowEngine:
         *,
         prunes: bool = True,
         width: int | None = None,
+        seed: int = 0,
     ) -> None:
         self.problem = problem
         self.width = width
-        self.machine = Machine(problem, prunes=prunes) if width is None else Narrow(problem, width)
+        self.machine = (
+            Machine(problem, prunes=prunes, seed=seed)
+            if width is None
+            else Narrow(problem, width, seed=seed)
+        )
         counters = self.machine.counters
         self.search = Search(self.machine, lambda: check(counters.nodes))
 
-    def round(self, depth: int) -> Iterator[Found | None]:
-        """The plans up to a depth; None where `search.pause_at` nodes have been made."""
+    def round(self, depth: int, draws: int = 1) -> Iterator[Found | None]:
+        """The plans up to a depth and a number of values from each generator call.
+
+        None where `search.pause_at` nodes have been made.
+        """
         search, machine = self.search, self.machine
+        if machine.draws_values:
+            machine.solving.most = draws
         for point in search.round(depth):
             yield None if point is None else plan_of(self.machine, point)
         if search.left_out & HOPELESS and not search.left_out & DEPTH:
@@ -53,12 +64,18 @@ class CrowEngine:
     def left_out(self) -> tuple[str, ...]:
         """What the last round left out."""
         found = self.search.left_out
-        names = {DEPTH: "depth", WIDTH: "width", COMMIT: "commit"}
+        names = {
+            DEPTH: "depth", WIDTH: "width", DRAWS: "draws", COMMIT: "commit",
+            GENERATOR: "generator", SOLVER: "solver",
+        }  # fmt: skip
         return tuple(name for flag, name in names.items() if found & flag)
 
     def statistics(self) -> dict[str, Any]:
         """Nodes, and branches left out by kind."""
         counters, search = self.machine.counters, self.search
+        told: dict[str, Any] = {}
+        if self.machine.draws_values:
+            told = self.machine.solving.statistics()
         wide = {} if self.width is None else {"width": counters.cut_by_width}
         return {
             "nodes": counters.nodes,
@@ -70,6 +87,7 @@ class CrowEngine:
                 "duplicates": search.duplicates,
                 "hopeless": counters.hopeless,
             },
+            **told,
         }
 
     def explanation(self) -> str | None:

@@ -34,7 +34,18 @@ class Forward:
         """The members that are left, or the end of M."""
         if not frame.second:
             return point.told(("end of M",)).at(frame.next, None)
+        if point.constraints is not None:
+            self._decide(point, frame)
         return Choice(point, self._options(point, frame))
+
+    def _decide(self, point: Point, frame: Frame) -> None:
+        """Raise Undecided for a member that is true or not by values that are not known.
+
+        It is decided before there is a choice, so that the choice can be made again.
+        """
+        for _, member, is_free in walk(frame.second, frame.third):
+            if is_free and isinstance(member, Open) and (test := null_test(member)) is not None:
+                holds(test, point.state, member.values)
 
     def _options(self, point: Point, frame: Frame) -> Iterator[Point]:
         members: Members = frame.second
@@ -111,7 +122,7 @@ class Forward:
         assert context is not None
         back, middle = frame.first
         path, is_free, after = frame.second
-        returned = Point(back, None, middle, point.trail, point.cuts).told(("end of L",))
+        returned = point._replace(state=back, context=None, frame=middle).told(("end of L",))
         place = _Place(self, returned, middle, middle.second)
         points = list(place.joined(context, path, after, point.state, is_free=is_free))
         return points[0] if len(points) == 1 else Choice(point, iter(points))
@@ -217,13 +228,7 @@ class _Place:
         return self._at(replaced(self.shared, self.members, path, refined), (path, is_free))
 
     def _atom(self, path: Path, member: Open, atom: Atom, *, is_free: bool) -> Iterator[Point]:
-        try:
-            found, is_step = atom.alternatives(self.start, member.values)
-        except EvaluationError:
-            return
-        if not found:
-            note = self.machine.dead.note
-            note(self.point, "no behavior achieves it", atom.test, member.values)
+        found, is_step = self.machine.alternatives(self.point, atom, self.start, member.values)
         for applied in found:
             if not is_step:
                 yield from self._refined(path, member, applied, is_free=is_free)
@@ -260,7 +265,7 @@ class _Place:
         )
         left = self.machine.section(code.left, done, commits=code.commits[0])
         told = self.point.noted(event).told(("L",))
-        yield Point(self.start, context, left, told.trail, told.cuts)
+        yield told._replace(state=self.start, context=context, frame=left)
 
     def joined(
         self, context: Context, path: Path, after: Held, start: Snapshot, *, is_free: bool

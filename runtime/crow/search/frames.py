@@ -120,6 +120,8 @@ class Kind(IntEnum):
     """An L or R with a `commit` begins."""
     SECTION_END = auto()
     """And ends."""
+    SETTLE = auto()
+    """Values that were found are put in, and those that can be drawn are."""
 
 
 @dataclass(slots=True, eq=False)

@@ -26,6 +26,7 @@ from crow.program import (
     Statement,
 )
 from crow.program.walk import statements_within
+from crow.support import open_parameters
 
 Key = tuple[frozenset[str], bool]
 """What a literal or comparison is about: names, and whether it is negated."""
@@ -83,7 +84,9 @@ def _names(side: Expression) -> frozenset[str]:
 
 def _chooses(behavior: Behavior) -> bool:
     """Whether the body of a behavior may leave something open, or fail."""
-    return behavior.promotable is not None or any(
+    if behavior.promotable is not None or open_parameters(behavior):
+        return True
+    return any(
         isinstance(s, Assert | Bind | Commit) or (isinstance(s, Group) and s.order == "alternative")
         for s in statements_within(behavior.body)
     )

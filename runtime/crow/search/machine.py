@@ -6,6 +6,7 @@ to do as data, so that no depth of a program meets a limit of Python's stack.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from crow.evaluate import EvaluationError
@@ -13,39 +14,42 @@ from crow.problem import Problem
 from crow.search.code import (
     AchieveOp,
     AllOf,
-    AlternativeOp,
-    AssertOp,
+    Alternatives,
     Atom,
-    BindOp,
     Block,
-    CallOp,
     Code,
-    CommitOp,
-    DoOp,
-    FixOp,
-    IfOp,
-    LetOp,
     OneOf,
-    Op,
     Opaque,
-    SequenceOp,
     Test,
-    UnorderedOp,
     Wanted,
 )
 from crow.search.compile import Programs
-from crow.search.expressions import Environment
+from crow.search.expressions import Environment, names_of
 from crow.search.forward import Forward
 from crow.search.frames import Application, Context, Frame, Kind, Members, Shared
+from crow.search.instructions import Instructions
 from crow.search.members import Starting, with_slots
-from crow.search.points import Cause, Choice, Dead, Point, Step, extended, holds
-from crow.search.states import Store
+from crow.search.points import (
+    SOLVER,
+    Cause,
+    Choice,
+    Dead,
+    Known,
+    Point,
+    Step,
+    Undecided,
+    extended,
+    holds,
+)
+from crow.search.states import Snapshot, Store
 from crow.search.tailward import Tailward
 from crow.search.unordered import Unordered
+from crow.unknowns import Touched
 from crow.values import Value
 
 if TYPE_CHECKING:
     from crow.program import Location
+    from crow.search.solving import Solving
 
 
 @dataclass(slots=True)
@@ -99,7 +103,10 @@ class Machine:
     count depth, everything is at depth 0, and what differs only in depth is the same.
     """
 
-    def __init__(self, problem: Problem, *, prunes: bool = True, counts_depth: bool = True) -> None:
+    def __init__(
+        self, problem: Problem, *, prunes: bool = True, counts_depth: bool = True, seed: int = 0
+    ) -> None:
+        self.seed = seed
         self.level = int(counts_depth)
         self.problem = problem
         self.store = self.make_store()
@@ -111,6 +118,7 @@ class Machine:
         self.is_cut = False
         self.is_hopeless = False
         self.is_too_wide = False
+        self.cut_of_values = 0
         self.hint = Hint()
         self.screen = Screen()
         self.counters = Counters()
@@ -124,7 +132,7 @@ class Machine:
         self.tailward = Tailward(self)
         self.unordered = Unordered(self)
         self._frames: dict[Kind, Callable[[Point, Frame], Step]] = self._frame_steps()
-        self._ops: dict[type, Callable[[Point, Op, Frame | None], Step]] = self._op_steps()
+        self._ops = Instructions(self).steps()
 
     def make_store(self) -> Store:
         """The states of the search."""
@@ -143,11 +151,38 @@ class Machine:
     def run(self, point: Point) -> Step:
         """Go on until there is a choice, a dead end, or nothing left to do."""
         while point.frame is not None:
-            step = self._frames[point.frame.kind](point, point.frame)
+            if point.constraints is not None:
+                self.store.decided = point.constraints.decided
+            try:
+                step = self._frames[point.frame.kind](point, point.frame)
+            except Undecided as undecided:
+                return self.solving.decide(point, undecided)
+            except Touched:
+                step = self._computed(point)
             if not isinstance(step, Point):
                 return step
             point = step
+        if point.constraints is not None and point.constraints.open:
+            return self.solving.solve(point)
         return point
+
+    def _computed(self, point: Point) -> Step:
+        try:
+            return self.solving.compute(point)
+        except EvaluationError as error:
+            return self._without_value(point, error)
+
+    @property
+    def draws_values(self) -> bool:
+        """Whether the program binds values."""
+        return self.problem.world.chosen_value is not None
+
+    @cached_property
+    def solving(self) -> "Solving":
+        """Where values are drawn; of programs that bind none it is not needed."""
+        from crow.search.solving import Solving
+
+        return Solving(self, self.seed)
 
     # ------------------------------------------------------------------------------------ frames
 
@@ -170,6 +205,7 @@ class Machine:
             Kind.PART_DONE: self.unordered.part_done,
             Kind.SECTION: self._section,
             Kind.SECTION_END: self._section_end,
+            Kind.SETTLE: lambda point, _: self.solving.settle(point),
         }
 
     def block(self, ops: Block, following: Frame | None) -> Frame | None:
@@ -263,21 +299,46 @@ class Machine:
         if checked is None:
             return None
         try:
-            state = code.effect(point.state, context.values)
+            state, known = self._after(checked, code, context)
         except EvaluationError as error:
             return self._without_value(point, error)
         self.counters.effects += 1
         trail = extended(extended(checked.trail, ("eff", context)), ("end", context))
-        return Point(state, None, frame.next, trail, point.cuts)
+        return Point(state, None, self.settled(frame.next, point, known), trail, point.cuts, known)
+
+    def settled(self, frame: Frame | None, point: Point, known: Known | None) -> Frame | None:
+        """What follows where more may be known of values than at a point: it is put in first."""
+        if known is point.constraints:
+            return frame
+        return self.shared.frame(Kind.SETTLE, frame)
+
+    def _after(self, point: Point, code: Code, context: Context) -> tuple[Snapshot, Known | None]:
+        """The state after the effect of a behavior, and what is then known of values."""
+        assert code.effect is not None
+        try:
+            return code.effect(point.state, context.values), point.constraints
+        except Touched:
+            names = names_of(code.effect_slots, context.values)
+            return self.solving.effect(point, code.behavior.effect or (), names)
 
     def rechecked(self, point: Point, context: Context) -> Point | None:
         """The point after what is held was asserted again."""
         for test, values in context.held:
-            if not holds(test, point.state, values):
-                self.dead.note(point, "it no longer holds here", test, values)
+            checked = self._required(point, test, values, "it no longer holds here")
+            if checked is None:
                 return None
-            point = point.told(("assert", test, values))
+            point = checked.told(("assert", test, values))
         return point
+
+    def _required(self, point: Point, test: Test, values: Environment, reason: str) -> Point | None:
+        """The point where a condition holds; of what is not known it becomes a constraint."""
+        try:
+            if holds(test, point.state, values):
+                return point
+        except Undecided:
+            return self.solving.having(point, test, values)
+        self.dead.note(point, reason, test, values)
+        return None
 
     def _check(self, point: Point, frame: Frame) -> Step:
         return self.asserted(point, frame.first, frame.second, frame.next, point.context)
@@ -291,10 +352,11 @@ class Machine:
         context: Context | None,
     ) -> Point | None:
         """The point after an assertion, if it holds."""
-        if not holds(test, point.state, values):
-            self.dead.note(point, "it is false here", test, values)
+        checked = self._required(point, test, values, "it is false here")
+        if checked is None:
             return None
-        return point.told(("assert", test, values)).at(following, context)
+        following = self.settled(following, point, checked.constraints)
+        return checked.told(("assert", test, values)).at(following, context)
 
     # --------------------------------------------------------------------------- applying behaviors
 
@@ -409,12 +471,7 @@ class Machine:
         depth: int,
         following: Frame | None,
     ) -> Iterator[Point]:
-        try:
-            found, is_step = atom.alternatives(point.state, values)
-        except EvaluationError:
-            return
-        if not found:
-            self.dead.note(point, "no behavior achieves it", atom.test, values)
+        found, is_step = self.alternatives(point, atom, point.state, values)
         after = following
         if is_step:
             below = depth + self.level
@@ -426,6 +483,21 @@ class Machine:
             begun = self.applied(point, *applied, above, depth, after, cause)
             if begun is not None:
                 yield begun
+
+    def alternatives(
+        self, point: Point, atom: Atom, state: Snapshot, values: Environment
+    ) -> Alternatives:
+        """The behaviors that achieve a condition, matched in a state; a dead end without any."""
+        try:
+            found = atom.alternatives(state, values)
+        except EvaluationError:
+            return (), False
+        except Touched:  # a goal with a constant, or the same value twice, and a value not known
+            self.cut_of_values |= SOLVER
+            return (), False
+        if not found[0]:
+            self.dead.note(point, "no behavior achieves it", atom.test, values)
+        return found
 
     def within(self, depth: int) -> bool:
         """Whether a depth is within the limit; if not, something is left out."""
@@ -440,144 +512,15 @@ class Machine:
             (self.shared.open(part, own, above, depth),) for part, own in choices(wanted, values)
         )
 
-    # ------------------------------------------------------------------------------- instructions
-
-    def _op_steps(self) -> dict[type, Callable[[Point, Op, Frame | None], Step]]:
-        steps: dict[type, Callable[..., Step]] = {
-            AssertOp: self._assert,
-            AchieveOp: self._achieve,
-            CallOp: self._call,
-            DoOp: self._do,
-            BindOp: self._bind,
-            LetOp: self._let,
-            FixOp: self._fix,
-            IfOp: self._if,
-            SequenceOp: lambda p, op, rest: p.at(self.block(op.body, rest), p.context),
-            AlternativeOp: self._alternative,
-            UnorderedOp: self.unordered.begin,
-            CommitOp: self._commit,
-        }
-        return steps
-
-    def _held(self, context: Context, test: Test, *, is_held: bool) -> Context:
-        if not is_held:
-            return context
-        held = (*context.held, (test, context.values))
-        return self.shared.context(context.application, context.values, held)
-
-    def _assert(self, point: Point, op: AssertOp, rest: Frame | None) -> Step:
-        context = point.context
-        assert context is not None
-        self.counters.nodes += 1
-        after = self._held(context, op.test, is_held=op.is_held)
-        return self.asserted(point, op.test, context.values, rest, after)
-
-    def _achieve(self, point: Point, op: AchieveOp, rest: Frame | None) -> Step:
-        context = point.context
-        assert context is not None
-        values = context.values
-        after = self._held(context, op.test, is_held=op.is_held)
-        if op.test.holds(point.state, values):
-            self.counters.nodes += 1
-            return self.asserted(point, op.test, values, rest, after)
-        following = self.shared.frame(Kind.RESTORE, rest, after)
-        if op.is_held:
-            following = self.shared.frame(Kind.CHECK, following, op.test, values)
-        above = context.application
-        options = self.achieving(point, op.wanted, values, above, above.depth, following)
-        return Choice(point, options)
-
-    def _call(self, point: Point, op: CallOp, rest: Frame | None) -> Step:
-        context = point.context
-        assert context is not None
-        arguments = tuple(a(point.state, context.values) for a in op.arguments)
-        code = self.programs.code(self.problem.world.behaviors[op.behavior])
-        following = self.shared.frame(Kind.RESTORE, rest, context)
-        above = context.application
-        cause = (op, context.values)
-        return self.applied(point, code, arguments, above, above.depth, following, cause)
-
-    def _do(self, point: Point, op: DoOp, rest: Frame | None) -> Step:
-        context = point.context
-        assert context is not None
-        self.counters.nodes += 1
-        arguments = tuple(a(point.state, context.values) for a in op.arguments)
-        checked = self.rechecked(point, context)
-        if checked is None:
-            return None
-        trail = extended(checked.trail, ("do", op, arguments, context))
-        state = point.state
-        if op.effect is not None:
-            state = op.effect(state, arguments)
-            self.counters.effects += 1
-        after = self.shared.context(context.application, context.values, ())
-        return Point(state, after, rest, trail, point.cuts)
-
-    def _bind(self, point: Point, op: BindOp, rest: Frame | None) -> Step:
-        context = point.context
-        assert context is not None
-        found = op.choices(point.state, context.values)
-        if not found and op.test is not None:
-            self.dead.note(point, "no object is like this", op.test, context.values)
-        if len(found) == 1:
-            return self._bound(point, op, rest, found[0])
-        return Choice(point, (self._bound(point, op, rest, chosen) for chosen in found))
-
-    def _bound(
-        self, point: Point, op: BindOp, rest: Frame | None, chosen: tuple[Value, ...]
-    ) -> Point:
-        context = point.context
-        assert context is not None
-        self.counters.nodes += 1
-        values = with_slots(context.values, op.slots, chosen)
-        after = self.shared.context(context.application, values, context.held)
-        if op.test is None:
-            return point.at(rest, after)
-        after = self._held(after, op.test, is_held=op.is_held)
-        return point.told(("assert", op.test, values)).at(rest, after)
-
-    def _let(self, point: Point, op: LetOp, rest: Frame | None) -> Step:
-        context = point.context
-        assert context is not None
-        self.counters.nodes += 1
-        value = op.value(point.state, context.values)
-        return self._set(point, op.slot, value, rest)
-
-    def _fix(self, point: Point, op: FixOp, rest: Frame | None) -> Step:
-        return self._set(point, op.slot, op.value, rest)
-
-    def _set(self, point: Point, slot: int, value: Value, rest: Frame | None) -> Point:
-        context = point.context
-        assert context is not None
-        values = with_slots(context.values, (slot,), (value,))
-        after = self.shared.context(context.application, values, context.held)
-        return point.at(rest, after)
-
-    def _if(self, point: Point, op: IfOp, rest: Frame | None) -> Step:
-        context = point.context
-        assert context is not None
-        self.counters.nodes += 1
-        is_true = op.test.holds(point.state, context.values)
-        return point.at(self.block(op.then if is_true else op.otherwise, rest), context)
-
-    def _alternative(self, point: Point, op: AlternativeOp, rest: Frame | None) -> Step:
-        options = (point.at(self.block((part,), rest), point.context) for part in op.body)
-        return Choice(point, options)
-
     # ------------------------------------------------------------------------------------- commit
 
     def _section(self, point: Point, frame: Frame) -> Step:
         cuts = (self.height(), (), point.cuts)
-        return Point(point.state, point.context, frame.next, point.trail, cuts)
+        return point._replace(frame=frame.next, cuts=cuts)
 
     def _section_end(self, point: Point, frame: Frame) -> Step:
         assert point.cuts is not None
-        return Point(point.state, point.context, frame.next, point.trail, point.cuts[2])
-
-    def _commit(self, point: Point, _op: CommitOp, rest: Frame | None) -> Step:
-        self.counters.nodes += 1
-        self.commit(point)
-        return point.at(rest, point.context)
+        return point._replace(frame=frame.next, cuts=point.cuts[2])
 
 
 def choices(wanted: AllOf | OneOf, values: Environment) -> Iterator[tuple[Wanted, Environment]]:

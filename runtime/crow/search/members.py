@@ -26,7 +26,7 @@ from crow.search.frames import (
     Refined,
     Shared,
 )
-from crow.search.points import Point
+from crow.search.points import Point, is_true
 from crow.search.states import Snapshot
 
 Path = tuple[tuple[int, int], ...]
@@ -67,7 +67,7 @@ class Starting:
             case AlternativeOp(body=body):
                 return [started for part in body for started in self.members(part, own)]
             case IfOp(test=test, then=then, otherwise=otherwise):
-                return self._sequence(then if test.holds(self.state, own) else otherwise, own)
+                return self._sequence(then if is_true(test, self.state, own) else otherwise, own)
             case _:
                 return [self._leaf(op, own)]
 

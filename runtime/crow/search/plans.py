@@ -9,8 +9,10 @@ from crow.search.code import Code, DoOp, Test
 from crow.search.expressions import names_of
 from crow.search.frames import Application, Context
 from crow.search.machine import Machine
-from crow.search.points import Point, Trail
+from crow.search.points import Point
+from crow.search.substitution import Substitution
 from crow.trace import AssertItem, DoItem, EffItem, Trace, TraceItem
+from crow.unknowns import has_unknown
 from crow.values import Value
 
 Call = tuple[int, DoOp, tuple[Value, ...]]
@@ -23,20 +25,23 @@ def assert_item(test: Test, values: Sequence[Value]) -> AssertItem:
     return AssertItem(test.condition, known, test.text, test.location)
 
 
-def events_of(trail: Trail) -> list[Any]:
-    """What was done, from the beginning."""
-    events = []
+def events_of(machine: Machine, point: Point) -> list[Any]:
+    """What was done on the way to a point, from the beginning, with the values that were found."""
+    events, trail = [], point.trail
     while trail is not None:
         trail, event, _ = trail
         events.append(event)
     events.reverse()
-    return events
+    if point.constraints is None:
+        return events
+    found = Substitution(machine.shared, point.constraints.store.values)
+    return [found.of(event) for event in events]
 
 
 def plan_of(machine: Machine, point: Point) -> tuple[tuple[Step, ...], Trace]:
     """The steps and the trace that lead to a point, which its machine keeps as the last found."""
     machine.finished = point
-    world, events = machine.problem.world, events_of(point.trail)
+    world, events = machine.problem.world, events_of(machine, point)
     trace = tuple(item for number in in_order(events) for item in items_of(world, events[number]))
     return _steps(events), trace
 
@@ -139,6 +144,12 @@ def _step(context: Context, op: DoOp | None, arguments: tuple[Value, ...]) -> St
     application = context.application
     code = application.code
     assert code is not None
-    bindings = {n: context.values[s] for n, s in code.bound if context.values[s] is not None}
+    bindings = {
+        name: value
+        for name, slot in code.bound
+        if (value := context.values[slot]) is not None and not has_unknown(value)
+    }
+    given = zip(application.arguments, context.values, strict=False)
+    own = tuple(value if argument is None else argument for argument, value in given)
     controller = None if op is None else op.controller
-    return Step(code.behavior.name, application.arguments, bindings, controller, arguments)
+    return Step(code.behavior.name, own, bindings, controller, arguments)

@@ -1,11 +1,13 @@
 """States of a search: what differs from the initial state, each state one object."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections import ChainMap
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
 from crow.calls import FixedCells
 from crow.problem import Cell, State, World
+from crow.unknowns import has_unknown
 from crow.values import Value, default_value
 
 
@@ -27,18 +29,24 @@ class Snapshot:
     def cells(self) -> Mapping[Cell, object]:
         """All cells, as the interpreter reads them."""
         if self._cells is None:
-            self._cells = FixedCells(self.delta, self.base)
+            self._cells = self.store.cells_of(self.delta, self.base)
         return self._cells
 
 
 class Store:
-    """The states of one search, and indexes of the cells of its initial state."""
+    """The states of one search, and indexes of the cells of its initial state.
+
+    `decided` is what the point that runs takes for true or false of values it does not know.
+    """
+
+    cells_of: type[ChainMap[Cell, object]] = FixedCells
 
     def __init__(self, world: World, initial: State) -> None:
         self.world = world
         self.base: dict[Cell, Value] = dict(initial.cells)
         self.defaults = {name: default_value(f.type) for name, f in world.features.items()}
         self.initial = Snapshot(self, {})
+        self.decided: Mapping[Hashable, bool] = {}
         self.known: dict[frozenset[tuple[Cell, Value]], Snapshot] = {frozenset(): self.initial}
         self._indexes: dict[tuple[str, int], dict[str, list[tuple[str, ...]]]] = {}
 
@@ -46,12 +54,11 @@ class Store:
         """The state after some cells were written."""
         delta = dict(before.delta)
         for cell, value in written:
-            if self.base.get(cell, self.defaults[cell[0]]) == value:
+            # An unknown is as good as no value of the initial state, whatever it will turn out as.
+            if not has_unknown(value) and self.base.get(cell, self.defaults[cell[0]]) == value:
                 delta.pop(cell, None)
             else:
                 delta[cell] = value
-        if delta == before.delta:
-            return before
         key = frozenset(delta.items())
         found = self.known.get(key)
         if found is None:

@@ -3,6 +3,7 @@
 There is one state, which changes in place, so a plan takes time linear in its length.
 """
 
+from collections import ChainMap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
@@ -377,7 +378,9 @@ def _goes_on(entry: _Entry) -> bool:
 
 
 class _InPlace(Store):
-    """A store whose one state changes."""
+    """A store whose one state changes, so that nothing about its cells can be remembered."""
+
+    cells_of: type[ChainMap[Cell, object]] = ChainMap
 
     def after(self, before: Snapshot, written: Iterable[tuple[Cell, Value]]) -> Snapshot:
         """The same state, after some cells were written."""

@@ -26,8 +26,8 @@ Check = Callable[[int], None]
 class Rounds(Protocol):
     """An engine that searches up to a depth."""
 
-    def round(self, depth: int) -> Iterator[Found | None]:
-        """The plans up to a depth, some more than once. Raises Stopped."""
+    def round(self, depth: int, draws: int, /) -> Iterator[Found | None]:
+        """The plans up to a depth and a number of draws, some more than once. Raises Stopped."""
 
     def left_out(self) -> tuple[str, ...]:
         """What the last round left out: `depth` first, if deeper refinements are."""
@@ -52,25 +52,34 @@ def until_pause(plans: Iterator[Found | None]) -> Generator[Found, None, bool]:
 
 
 class Deepening:
-    """Iterative deepening: rounds, each a level deeper."""
+    """Iterative deepening: rounds, each a level deeper.
 
-    def __init__(self, engine: Rounds, depth_limit: int | None) -> None:
+    Each second one doubles the draws of a call. Once nothing is deeper, or the limit is met, rounds
+    go on as long as more could be drawn.
+    """
+
+    def __init__(
+        self, engine: Rounds, depth_limit: int | None, draw_limit: int | None = None
+    ) -> None:
         self.engine = engine
         self.depth_limit = depth_limit
+        self.draw_limit = draw_limit
         self.depth = 0
         self._left_out: tuple[str, ...] = ()
 
     def plans(self) -> Iterator[Found | None]:
         """Plans, some more than once; None where the search has paused."""
-        for depth in count():
-            if self.depth_limit is not None and depth > self.depth_limit:
-                self._left_out = ("depth",)
-                return
+        depth = 0
+        for number in count():
+            draws = _at_most(1 << (number // 2), self.draw_limit)
             self.depth = depth
-            yield from self.engine.round(depth)
+            yield from self.engine.round(depth, draws)
             self._left_out = self.engine.left_out()
-            if self._left_out[:1] != ("depth",):
+            goes_deeper = "depth" in self._left_out and depth != self.depth_limit
+            draws_more = "draws" in self._left_out and draws != self.draw_limit
+            if not goes_deeper and not draws_more:
                 return
+            depth += goes_deeper
 
     def left_out(self) -> tuple[str, ...]:
         """What was left out in the end."""
@@ -87,6 +96,10 @@ class Deepening:
     def refinement(self) -> Refinement:
         """How the plan that was found last refines the goal; without one, how far it came."""
         return self.engine.refinement()
+
+
+def _at_most(number: int, limit: int | None) -> int:
+    return number if limit is None else min(number, limit)
 
 
 class Best:

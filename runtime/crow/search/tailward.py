@@ -163,12 +163,7 @@ class _Last:
         yield self._with(self.left, (test, values))
 
     def _atom(self, atom: Atom, values: Environment, member: Open) -> Iterator[Point]:
-        try:
-            found, is_step = atom.alternatives(self.point.state, values)
-        except EvaluationError:
-            return
-        if not found:
-            self.machine.dead.note(self.point, "no behavior achieves it", atom.test, values)
+        found, is_step = self.machine.alternatives(self.point, atom, self.point.state, values)
         for code, arguments in found:
             if not is_step:
                 yield from self._applied(code, arguments, member)

@@ -153,7 +153,7 @@ class _Tree:
         self.machine = machine
         self.world = machine.problem.world
         self.roles = roles_of(machine)
-        self.events = events_of(point.trail)
+        self.events = events_of(machine, point)
         self.trace, self.items = self._traced()
         self.steps = 0
         goal = machine.problem.goal
@@ -408,7 +408,7 @@ def _failure(
     machine: Machine, test: Test, reason: str, found: Failures, role: Role | None
 ) -> Failure:
     failed = obstacle(found.point, test, found.values, reason)
-    events = events_of(found.point.trail)
+    events = events_of(machine, found.point)
     return Failure(
         text=expression_text(test.condition),
         reason=reason,

@@ -71,7 +71,7 @@ class Unordered:
             assert point.cuts is not None
             since, kept, outer = point.cuts
             cuts = (since, (*kept, self.machine.height() - 1), outer)
-            yield Point(point.state, context, frame, point.trail, cuts)
+            yield point._replace(context=context, frame=frame, cuts=cuts)
 
     def _frame(
         self, op: UnorderedOp, chains: Chains, values: Environment, rest: Frame | None, *,
@@ -92,7 +92,7 @@ class Unordered:
         if opens and cuts is not None:
             cuts = (cuts[0], cuts[1][:-1], cuts[2])
         assert isinstance(op, UnorderedOp)
-        return Point(point.state, after, frame.next, point.trail, cuts)
+        return point._replace(context=after, frame=frame.next, cuts=cuts)
 
     def _options(self, point: Point, frame: Frame) -> Iterator[Point]:
         context, shared = point.context, self.machine.shared

@@ -16,11 +16,12 @@ class _Width:
     """The search of one width, by deepening, in turns."""
 
     def __init__(
-        self, problem: Problem, check: Callable[[int], None], width: int, depth_limit: int | None
-    ) -> None:
+        self, problem: Problem, check: Callable[[int], None], width: int,
+        depth_limit: int | None, seed: int, draw_limit: int | None,
+    ) -> None:  # fmt: skip
         self.width = width
-        self.crow = CrowEngine(problem, check, width=width)
-        self.deepening = Deepening(self.crow, depth_limit)
+        self.crow = CrowEngine(problem, check, width=width, seed=seed)
+        self.deepening = Deepening(self.crow, depth_limit, draw_limit)
         self.found = self.deepening.plans()
         self.is_over = False
 
@@ -45,16 +46,17 @@ class Widening:
     """
 
     def __init__(
-        self, problem: Problem, check: Callable[[int], None], depth_limit: int | None
-    ) -> None:
+        self, problem: Problem, check: Callable[[int], None], depth_limit: int | None,
+        *, seed: int = 0, draw_limit: int | None = None,
+    ) -> None:  # fmt: skip
         self.problem = problem
         self.check = check
-        self.depth_limit = depth_limit
+        self.limits = depth_limit, seed, draw_limit
         self.widths: list[_Width] = []
         self.current = self._wider()
 
     def _wider(self) -> _Width:
-        width = _Width(self.problem, self._check, len(self.widths) + 1, self.depth_limit)
+        width = _Width(self.problem, self._check, len(self.widths) + 1, *self.limits)
         self.widths.append(width)
         return width
 

@@ -28,8 +28,8 @@ from crow.values import Value
 class Narrow(Machine):
     """A machine that leaves out programs wider than a limit; `is_too_wide` says that it did."""
 
-    def __init__(self, problem: Problem, width: int) -> None:
-        super().__init__(problem)
+    def __init__(self, problem: Problem, width: int, seed: int = 0) -> None:
+        super().__init__(problem, seed=seed)
         self.width = width
         self._rights: dict[Code, int] = {}
         middle, tail = self._frames[Kind.MIDDLE], self._frames[Kind.TAIL]

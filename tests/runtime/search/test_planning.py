@@ -151,7 +151,7 @@ def test_an_unknown_engine_and_a_program_with_values_are_refused() -> None:
         "behavior go():\n  goal: r()\n  body:\n    bind v: int64 where: v > 1\n  eff: r = True\n"
     )
     with pytest.raises(crow.NotPlannable, match="bind v") as raised:
-        crow.plan(problem(values, "r()"))
+        crow.plan(problem(values, "r()"), "reference")
     assert raised.value.location is not None
     external = "def f(x: T) -> bool\nbehavior go():\n  goal: r()\n  body:\n    assert f(home)\n"
     with pytest.raises(crow.NotPlannable, match="`f`"):

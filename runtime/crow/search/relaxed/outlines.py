@@ -236,6 +236,6 @@ def _is_own(point: Point, choice: Choice, operator: Operator) -> bool:
     if before is None or after is None or before.application is not after.application:
         return False
     own = after.application
-    if (own.code, own.arguments) != applied(operator):  # it stands in a behavior that this one calls
+    if (own.code, own.arguments) != applied(operator):  # of a behavior that this one calls
         return False
     return agrees(operator.values, after.values)
