@@ -16,6 +16,9 @@ from crow.many.processes import GRACE, Processes, WorkersError
 from crow.many.records import Fault
 from crow.many.tasks import Configuration, Task
 
+_SECONDS_A_LOOK: Final = 0.05
+"""How soon a task hears that Ray cancels it, which does not wake it up."""
+
 _TASKS_A_CORE: Final = 2
 """So many are submitted, so that no core waits for the driver."""
 
@@ -93,10 +96,10 @@ class Ray(Closing):
         return ended
 
     def cancel(self, numbers: Collection[int]) -> None:
-        """Have Ray kill what runs these tasks."""
+        """Have Ray interrupt these tasks."""
         for reference in [r for r, number in self._running.items() if number in numbers]:
             del self._running[reference]
-            self._ray.cancel(reference, force=True)
+            self._ray.cancel(reference)
         self._ended = [one for one in self._ended if one.number not in numbers]
 
     def close(self) -> None:
@@ -144,10 +147,11 @@ def carry_out(
     processes = _beside[grace]
     try:
         processes.submit_packed(0, Packed(dict(zip(keys, parts, strict=True)), body, configuration))
-        (finished,) = processes.wait()
+        while not (ended := processes.wait(_SECONDS_A_LOOK)):
+            pass
     except WorkersError as error:
         return Fault("killed", str(error)), 0.0
     except BaseException:
         processes.cancel([0])
         raise
-    return finished.outcome, finished.seconds
+    return ended[0].outcome, ended[0].seconds

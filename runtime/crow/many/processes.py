@@ -30,6 +30,9 @@ GRACE: Final = 5.0
 _SECONDS_TO_LOAD: Final = 60.0
 """So much more a task with a time limit may take until its search begins."""
 
+_PATIENCE: Final = 0.25
+"""Seconds in which a worker may stop what is cancelled, and stay for what is next."""
+
 _MOST_FAILURES: Final = 5
 """So often a worker may die on its way up, one after another, before that is an error."""
 
@@ -94,11 +97,15 @@ class Processes(Closing):
         worker = idle[0] if idle else self._started()
         self._send(worker, number, packed)
 
-    def wait(self) -> list[Finished]:
-        """Wait until some task has ended, was given up, or its worker has died."""
-        while not self._ended:
+    def wait(self, most: float = inf) -> list[Finished]:
+        """Wait until some task has ended, was given up, or its worker has died.
+
+        After `most` seconds that may be none.
+        """
+        end = monotonic() + most
+        while not self._ended and (most == inf or monotonic() < end):
             busy = [worker for worker in self._workers if worker.number is not None]
-            nearest = min(worker.deadline for worker in busy)
+            nearest = min(end, *(worker.deadline for worker in busy))
             timeout = None if nearest == inf else max(0.0, nearest - monotonic())
             handles: list[Any] = [w.pipe for w in busy] + [w.process.sentinel for w in busy]
             told = set(wait(handles, timeout))
@@ -112,9 +119,27 @@ class Processes(Closing):
         return ended
 
     def cancel(self, numbers: Collection[int]) -> None:
-        """Kill the workers that are at these tasks."""
-        self._end([w for w in self._workers if w.number is not None and w.number in numbers])
+        """Stop the workers that are at these tasks; those that do not hear are killed."""
+        concerned = [w for w in self._workers if w.number is not None and w.number in numbers]
+        starting = [worker for worker in concerned if not worker.is_ready]
+        self._end(starting)
+        stopping = [worker for worker in concerned if worker not in starting]
+        for worker in stopping:
+            worker.process.terminate()
+        deadline = monotonic() + _PATIENCE
+        self._end([worker for worker in stopping if not self._has_stopped(worker, deadline)])
         self._ended = deque(one for one in self._ended if one.number not in numbers)
+
+    def _has_stopped(self, worker: _Worker, deadline: float) -> bool:
+        """Whether a worker has answered in time, and has nothing to do any more."""
+        while worker.number is not None and worker in self._workers:
+            if not wait([worker.pipe], max(0.0, deadline - monotonic())):
+                return False
+            try:
+                self._take(worker, worker.pipe.recv_bytes())
+            except (EOFError, OSError):
+                return False
+        return True
 
     def close(self) -> None:
         """Kill all workers."""
@@ -148,7 +173,7 @@ class Processes(Closing):
             worker.pipe.send_bytes(pickle.dumps((new, packed.body, packed.configuration)))
 
     def _hear(self, worker: _Worker) -> None:
-        """Take what a worker says, or that it will say no more."""
+        """Take what a worker says, or note that it will say no more."""
         try:
             if not worker.pipe.poll():
                 raise EOFError
@@ -156,6 +181,10 @@ class Processes(Closing):
         except (EOFError, OSError):
             self._lost(worker)
             return
+        self._take(worker, message)
+
+    def _take(self, worker: _Worker, message: bytes) -> None:
+        """What a worker says: that it is there, that its search begins, or how that ended."""
         assert worker.number is not None
         if message == READY:
             worker.is_ready = self._has_started = True

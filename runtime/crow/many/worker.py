@@ -10,7 +10,7 @@ from multiprocessing.process import parent_process
 from time import monotonic
 from typing import Any, Final
 
-from crow.budget import resident_mb
+from crow.budget import Stopped, resident_mb
 from crow.many.attempt import Outcome, attempt
 from crow.many.packing import Unpacker
 from crow.many.records import Fault
@@ -25,6 +25,7 @@ _MOST_KEPT_MB: Final = 256
 def work(pipe: Connection) -> None:
     """Carry out what comes through a pipe, until its other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the driver's, which ends its workers
+    signal.signal(signal.SIGTERM, _cancel)
     os.dup2(2, 1)  # standard output is for results: what functions print is none
     threading.Thread(target=_end_with_parent, daemon=True).start()
     gc.set_threshold(100_000, 50, 50)
@@ -48,14 +49,31 @@ def work(pipe: Connection) -> None:
 def _carried_out(message: Any, unpacker: Unpacker, pipe: Connection) -> Outcome:
     parts, body, configuration = message
     try:
-        return attempt(
-            lambda: unpacker.problem(parts, body),
-            configuration,
-            is_alone=True,
-            begun=lambda: pipe.send_bytes(BEGUN),
-        )
+        _at_it[0] = True
+        try:
+            return attempt(
+                lambda: unpacker.problem(parts, body),
+                configuration,
+                is_alone=True,
+                begun=lambda: pipe.send_bytes(BEGUN),
+            )
+        finally:
+            _at_it[0] = False
     except KeyboardInterrupt:  # no signal makes it here
         return Fault("function", "it raised KeyboardInterrupt")
+    except Stopped:  # it was cancelled when it had just ended: nobody wants to know
+        return Fault("error", "it was cancelled")
+
+
+_at_it: Final = [False]
+"""Whether there is something to cancel; no lock, which the handler might find taken."""
+
+
+def _cancel(_number: int, _frame: object) -> None:
+    """End the search, whose driver wants no more of it, and be there for the next task."""
+    if _at_it[0]:
+        _at_it[0] = False
+        raise Stopped("cancelled")
 
 
 def _answer(pipe: Connection, outcome: Outcome, seconds: float, *, is_spent: bool) -> None:

@@ -37,12 +37,14 @@ def hard(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 def test_the_first_plan_wins_and_the_others_end_at_once(
     processes: Processes, hard: Problem
 ) -> None:
+    before = set(multiprocessing.active_children())
     start = time.monotonic()
     race = crow.race(hard, [*ENDLESS[:1], GOOD, *ENDLESS[1:]], executor=processes)
     assert time.monotonic() - start < 10
     assert race.winner is not None
     assert race.winner.configuration == GOOD
     assert race.records == (race.winner,)
+    assert set(multiprocessing.active_children()) == before
     assert isinstance(race.result, crow.Plan)
     assert replay_to_goal(hard, race.result.trace).is_sound
     assert processes.room == 2

@@ -209,6 +209,24 @@ def test_workers_that_died_with_nothing_to_do_cost_nothing() -> None:
                 child.join()
 
 
+def test_what_is_cancelled_ends_at_once_and_its_worker_stays_if_it_hears() -> None:
+    others = set(multiprocessing.active_children())
+    with Processes(2, grace=0.5) as executor:
+        assert len(list(crow.solve_many([troubled("naps")] * 2, executor=executor))) == 2
+        workers = set(multiprocessing.active_children()) - others
+        for deaf in (False, True):
+            tasks = [troubled("none"), troubled("spins" if deaf else "sleeps")]
+            records = crow.solve_many(tasks, executor=executor)
+            assert next(records).status == "plan"
+            time.sleep(0.3)
+            start = time.monotonic()
+            records.close()  # type: ignore[attr-defined]
+            assert time.monotonic() - start < 2
+            left = (set(multiprocessing.active_children()) - others) & workers
+            assert len(left) == (1 if deaf else 2)
+        assert next(crow.solve_many([troubled("none")], executor=executor)).status == "plan"
+
+
 def test_what_cannot_travel_says_so(processes: Processes) -> None:
     here = troubled("none", {"trouble": lambda x: 0})
     (record,) = crow.solve_many([here], executor=processes)
