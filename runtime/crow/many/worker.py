@@ -10,7 +10,7 @@ from multiprocessing.process import parent_process
 from time import monotonic
 from typing import Any, Final
 
-from crow.budget import Stopped, resident_mb
+from crow.budget import resident_mb
 from crow.many.attempt import Outcome, attempt
 from crow.many.packing import Unpacker
 from crow.many.records import Fault
@@ -20,6 +20,10 @@ BEGUN: Final = b"begun"
 
 _MOST_KEPT_MB: Final = 256
 """A worker that holds so much more than it did at first is replaced by a new one."""
+
+
+class _Cancelled(BaseException):  # noqa: N818 - no exception that anything else is to catch
+    """The driver wants no more of a task."""
 
 
 def work(pipe: Connection) -> None:
@@ -61,7 +65,7 @@ def _carried_out(message: Any, unpacker: Unpacker, pipe: Connection) -> Outcome:
             _at_it[0] = False
     except KeyboardInterrupt:  # no signal makes it here
         return Fault("function", "it raised KeyboardInterrupt")
-    except Stopped:  # it was cancelled when it had just ended: nobody wants to know
+    except _Cancelled:  # so nobody wants to know
         return Fault("error", "it was cancelled")
 
 
@@ -73,7 +77,7 @@ def _cancel(_number: int, _frame: object) -> None:
     """End the search, whose driver wants no more of it, and be there for the next task."""
     if _at_it[0]:
         _at_it[0] = False
-        raise Stopped("cancelled")
+        raise _Cancelled
 
 
 def _answer(pipe: Connection, outcome: Outcome, seconds: float, *, is_spent: bool) -> None:
