@@ -1,7 +1,7 @@
 """Processes of the standard library as an executor.
 
 Each worker has a pipe of its own and one task at a time, so whatever happens to it, it is known
-which task that concerns (docs/decisions/0024-workers-of-our-own.md).
+which task that concerns (docs/decisions/0026-workers-of-our-own.md).
 """
 
 import multiprocessing
