@@ -22,8 +22,8 @@ _COLUMNS = (
     "nodes of the winner",
 )  # fmt: skip
 _NOTE = (
-    "target: the median with two jobs below that with one, from the problem to the plan. CPU is that"
-    " of the process that used most of it: the time it takes where each has a core of its own;"
+    "target: the median with two jobs below that with one, from the problem to the plan. CPU is"
+    " that of the process that used most of it: the time it takes where each has a core of its own;"
     " nodes are a median"
 )
 Measured = tuple[float, float, float]

@@ -22,7 +22,7 @@ _MOST_KEPT_MB: Final = 256
 """A worker that holds so much more than it did at first is replaced by a new one."""
 
 
-class _Cancelled(BaseException):  # noqa: N818 - no exception that anything else is to catch
+class _Cancelled(BaseException):  # so that nothing else catches it
     """The driver wants no more of a task."""
 
 
