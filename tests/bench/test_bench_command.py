@@ -16,6 +16,7 @@ from processes import assert_gone, below
 from referencing import Registry, Resource
 from support import ROOT, cdlc
 from terminal import is_unbroken, on_terminal
+from troubles import DOMAIN
 
 from cdlc.bench.results import Appender
 from cdlc.bench.suite import Suite
@@ -31,23 +32,10 @@ REGISTRY: Registry[Any] = Registry().with_resources(
 )
 LINES = jsonschema.Draft202012Validator(SCHEMAS["bench"], registry=REGISTRY)
 
-DOMAIN = """
-typedef thing
-feature done(x: thing)
-def cost(x: thing) -> int32
-controller act(x: thing)
-behavior work(x: thing):
-  goal: done(x)
-  body:
-    assert cost(x) >= 0
-    do act(x)
-  eff:
-    done[x] = True
-"""
 PYTHON = """
 import os, signal, sys, time
 
-def cost(x):
+def trouble(x):
     what, _, _ = x.partition("_")
     if what == "naps":
         time.sleep(0.2)
@@ -132,7 +120,7 @@ def test_without_a_file_records_are_the_output(tmp_path: Path) -> None:
 
 FAULTS = {
     "dies": ("fault", "killed", "its process was killed by SIGKILL"),
-    "raises": ("fault", "function", "`cost(raises)` raised KeyError: 'raises'"),
+    "raises": ("fault", "function", "`trouble(raises)` raised KeyError: 'raises'"),
     "sleeps": ("timeout", None, ""),
     "hoards": ("memory", None, ""),
     "broken": ("fault", "not-loaded", "error[unknown-feature]"),
@@ -166,9 +154,11 @@ def test_python_that_hangs_while_a_problem_is_loaded_is_a_fault(tmp_path: Path) 
     for file in (tmp_path / "domain.cdl", tmp_path / "python.py"):
         file.write_text(
             file.read_text()
-            .replace("def cost(x: thing) -> int32", "def fine(x: thing) -> bool")
-            .replace("cost(x) >= 0", "fine(x)")
-            .replace("def cost(x):", "def fine(x):\n    while x == 'slow': pass\n    return True")
+            .replace("def trouble(x: thing) -> int32", "def fine(x: thing) -> bool")
+            .replace("trouble(x) >= 0", "fine(x)")
+            .replace(
+                "def trouble(x):", "def fine(x):\n    while x == 'slow': pass\n    return True"
+            )
         )
     ran = cdlc(
         "bench", ".", "--functions", "python.py", "--time-limit", "3", "--out", "r.jsonl",
@@ -213,7 +203,7 @@ def test_only_the_same_suite_goes_on(tmp_path: Path) -> None:
     found = Collector()
     assert Appender.resumed(tmp_path / "r.jsonl", Suite((), "another"), found) is None
     assert [diagnostic.code for diagnostic in found] == ["other-suite"]
-    (tmp_path / "python.py").write_text("def cost(x): return 1\n")
+    (tmp_path / "python.py").write_text("def trouble(x): return 1\n")
     before = (tmp_path / "r.jsonl").read_bytes()
     ran = cdlc(*command, "--resume", cwd=tmp_path)
     assert "a file, an engine, a seed or a limit is not what it was" in ran.err
