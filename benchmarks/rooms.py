@@ -27,12 +27,10 @@ _NOTE = (
 def run(quick: bool) -> Table:
     """Maps of growing rooms, a few of each size."""
     sizes, seeds = (_SIZES[:1], 1) if quick else (_SIZES, _SEEDS)
+    kinds = ("suite",) if quick else ("suite", "corridor")
     namo.problem(namo.MAPS[0])  # imports
     rows = tuple(
-        _row(kind, *size, seed)
-        for kind in ("suite", "corridor")
-        for size in sizes
-        for seed in range(seeds)
+        _row(kind, *size, seed) for kind in kinds for size in sizes for seed in range(seeds)
     )
     plot = Plot("room", ("CPU s", "fast downward"), "CPU seconds", panels="kind")
     return Table("rooms", _COLUMNS, rows, _NOTE, (plot,))

@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 import crow
 
+from ..pictures import save, tiled
 from .scenes import Scene, scenes
 from .world import Cell
 
@@ -100,7 +101,7 @@ def picture(problem: crow.Problem, result: crow.Plan, file: str | PathLike[str])
     elif path.suffix == ".html":
         page(list(scenes(start, result.steps)), path)
     else:
-        _save([strip(start, result)], path)
+        save(path, [strip(start, result)])
     return path
 
 
@@ -113,34 +114,12 @@ def strip(
         *_, scene = (scene, *scene.after(step.controller, step.arguments))
         if step.controller == "exec_traj" and len(step.arguments[0]) > 1:
             panels.append(drawn(scene, step.arguments[0], size))
-    width, height, gap = *panels[0].size, size // 2
-    rows = -(-len(panels) // across)
-    columns = min(across, len(panels))
-    whole = Image.new("RGB", (columns * (width + gap) - gap, rows * (height + gap) - gap), "white")
-    for number, panel in enumerate(panels):
-        row, column = divmod(number, across)
-        whole.paste(panel, (column * (width + gap), row * (height + gap)))
-    return whole
+    return tiled(panels, across, gap=size // 2)
 
 
 def animation(shown: Sequence[Scene], file: Path, *, milliseconds: int = 150) -> None:
     """Write scenes as an animated GIF, which waits at its end. Raises OSError."""
-    _save([drawn(scene) for scene in shown], file, milliseconds)
-
-
-def _save(images: Sequence[Image.Image], file: Path, milliseconds: int = 0) -> None:
-    """Write a file whole, or not at all."""
-    first, *others = images
-    new = file.with_name(f".new-{file.name}")
-    try:
-        if others:
-            times = [milliseconds] * len(others) + [10 * milliseconds]
-            first.save(new, save_all=True, append_images=others, duration=times, loop=0)
-        else:
-            first.save(new)
-        new.replace(file)
-    finally:
-        new.unlink(missing_ok=True)
+    save(file, [drawn(scene) for scene in shown], milliseconds)
 
 
 # -------------------------------------------------------------------------------------------- HTML

@@ -3,24 +3,13 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any
 
 import crow
 
+from ..pictures import Call
 from . import world
 from .world import Cell
-
-
-class Call(Protocol):
-    """A step of a plan, or a controller call of an execution."""
-
-    @property
-    def controller(self) -> str | None:
-        """What is called."""
-
-    @property
-    def arguments(self) -> tuple[Any, ...]:
-        """What with."""
 
 
 class CollisionError(Exception):

@@ -7,7 +7,8 @@ from crow.calls import Call, Cells, Remembered, Row, arguments_for, check_finite
 from crow.functions import Registration
 from crow.generators import ExternalGenerator
 from crow.problem import World
-from crow.program import Function, Location, ObjectType, Parameter, Type
+from crow.program import Function, Location, Parameter, Type
+from crow.program.types import is_opaque
 from crow.simulators import ExternalEffect
 from crow.values import Value, given_out
 from crow.views import StateView
@@ -148,7 +149,7 @@ def as_columns(rows: Sequence[Row], parameters: Sequence[Parameter]) -> "list[ND
 def _column(values: list[Value], type_: Type) -> "NDArray[Any]":
     import numpy as np
 
-    if _is_numeric(values[0]) and not isinstance(type_, ObjectType):
+    if _is_numeric(values[0]) and not is_opaque(type_):
         try:
             return np.array(values)
         except ValueError:  # vectors of different lengths

@@ -15,8 +15,9 @@ import numpy as np
 from crow.constraints.knowledge import Knowledge
 from crow.constraints.store import Requirement, Store
 from crow.constraints.terms import Ground, Open, is_known, parts
-from crow.program.types import is_integer, is_number
+from crow.program.types import Type, is_integer, is_number, is_opaque
 from crow.unknowns import Unknown
+from crow.values import given_out
 
 _EXACT: Final = float(1 << 52)
 """Integers below this are the same as floats."""
@@ -135,19 +136,20 @@ class Columns:
         parameters = self.knowledge.world.functions[ground.name].parameters
         if not function.is_vectorized:
             raise NotVectorizedError
-        arguments = [self._argument(o) for o in ground.operands[: len(parameters)]]
+        pairs = zip(ground.operands, parameters, strict=False)
+        arguments = [self._argument(operand, p.type) for operand, p in pairs]
         assert ground.cells is not None
         cells = self.knowledge.resolved(ground.cells, self.values)
         return np.asarray(function.column(cells, arguments, ground.location))
 
-    def _argument(self, ground: Ground) -> Any:
+    def _argument(self, ground: Ground, type_: Type) -> Any:
         """A column for the user's Python, with as many rows as there are."""
         value = self.values.get(ground, ground) if type(ground) is Unknown else ground
-        if is_known(value) and not isinstance(value, bool | int | float | tuple):
-            from crow.values import given_out
-
+        is_plain = isinstance(value, bool | int | float | tuple) and not is_opaque(type_)
+        if is_known(value) and not is_plain:
             column = np.empty(self.count, dtype=object)
-            column[:] = [given_out(value)] * self.count
+            for row in range(self.count):  # a tuple is one value, not a row of them
+                column[row] = given_out(value)
             return column
         found = self._of(ground)
         return np.broadcast_to(found, (self.count, *found.shape[1:]))

@@ -96,6 +96,14 @@ def underlying(type_: Type) -> Type:
     return type_
 
 
+def is_opaque(type_: Type) -> bool:
+    """Whether values of a type are passed on as they are, be they tuples of numbers or not."""
+    plain = underlying(type_)
+    while isinstance(plain, ListType):
+        plain = underlying(plain.element)
+    return isinstance(plain, ObjectType) or plain == PYOBJECT
+
+
 def is_object(type_: Type) -> bool:
     """Whether values of the type are objects of the problem."""
     return isinstance(type_, ObjectType)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from crow.constraints import Constraint
 from crow.problem import State
 from crow.program import And, Apply, Expression, Generator, Variable
-from crow.program.walk import free_variables
+from crow.program.types import underlying
+from crow.program.walk import free_variables, subexpressions
 from crow.search.code import DrawOp
 from crow.search.expressions import Compiled
 
@@ -58,6 +59,9 @@ def direct(op: DrawOp, programs: "Programs") -> Direct | None:
         return None
     compiled = tuple(programs.term(given, op.test.slots) for given in inputs)
     order = tuple(drawn.index(name) for name in names)
+    for index, variable in zip(order, op.variables, strict=True):
+        if underlying(python.outputs[index].type) != underlying(variable.type):
+            return None  # the value is another one as a variable of that type
     constraint = Constraint(condition, {}, State(), location=op.location)
     return Direct(generator.name, compiled, order, constraint)
 
@@ -70,8 +74,6 @@ def _may_yield(generator: Generator, conjunct: Expression, names: frozenset[str]
 
 
 def _calls(condition: Expression) -> list[Apply]:
-    from crow.program.walk import subexpressions
-
     return [part for part in subexpressions(condition) if isinstance(part, Apply)]
 
 

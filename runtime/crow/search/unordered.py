@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 from crow.search.code import (
+    AchieveOp,
     AlternativeOp,
     Block,
     CommitOp,
@@ -14,12 +15,13 @@ from crow.search.code import (
     IfOp,
     Op,
     SequenceOp,
+    Test,
     UnorderedOp,
 )
 from crow.search.expressions import Environment
-from crow.search.frames import Frame, Kind
+from crow.search.frames import Context, Frame, Kind
 from crow.search.members import with_slots
-from crow.search.points import Choice, Point, Step
+from crow.search.points import Choice, Point, Step, holds
 
 if TYPE_CHECKING:
     from crow.search.machine import Machine
@@ -29,13 +31,14 @@ class Chain(NamedTuple):
     """Statements in order, after the rest of a nested group; with variables of their own.
 
     `values` is None while one of its statements runs; `is_last` says that its last `commit` is
-    to come after all others.
+    to come after all others; `was_true` that what it achieves was true at some time in the group.
     """
 
     values: Environment | None
     group: "Chains"
     rest: Block
     is_last: bool
+    was_true: bool = False
 
 
 Chains = tuple[Chain, ...]
@@ -86,6 +89,8 @@ class Unordered:
         assert context is not None
         op, chains, (values, opens) = frame.first, frame.second, frame.third
         if chains:
+            if self.machine.prunes and not any(map(_commits, chains)):
+                return self._of_those_open(point, frame, context)
             return Choice(point, self._options(point, frame))
         after = self.machine.shared.context(context.application, values, context.held)
         cuts = point.cuts
@@ -94,10 +99,65 @@ class Unordered:
         assert isinstance(op, UnorderedOp)
         return point._replace(context=after, frame=frame.next, cuts=cuts)
 
-    def _options(self, point: Point, frame: Frame) -> Iterator[Point]:
+    def _of_those_open(self, point: Point, frame: Frame, context: Context) -> Step:
+        """Achieves that are true wait: nothing comes sooner by them, and later they may not be.
+
+        When only they are left, they all refine to nothing. So the orders in which they may stand
+        among the others, which are all one plan, are not tried one by one.
+        """
+        chains: Chains = frame.second
+        true = frozenset(i for i, chain in enumerate(chains) if self._is_true(point, chain))
+        if not true:
+            return Choice(point, self._options(point, frame))
+        for index in true:
+            if not chains[index].was_true:
+                point = point.told(("assert", *_wanted(chains[index])))
+        if len(true) < len(chains):
+            marked = tuple(
+                c._replace(was_true=c.was_true or i in true) for i, c in enumerate(chains)
+            )
+            waiting = self.machine.shared.frame(
+                Kind.UNORDERED, frame.next, frame.first, marked, frame.third
+            )
+            point = point.at(waiting, context)
+            return Choice(point, self._options(point, waiting, true))
+        self.machine.counters.nodes += len(chains)
+        values, opens = frame.third
+        ended = self._frame(frame.first, (), values, frame.next, opens=opens)
+        return point.at(ended, self._holding(context, chains))
+
+    def _is_true(self, point: Point, chain: Chain) -> bool:
+        """Whether all that is left of a chain is to achieve what is true."""
+        if not _is_achieve(chain):
+            return False
+        test, values = _wanted(chain)
+        return holds(test, point.state, values)
+
+    def _holding(self, context: Context, chains: Chains) -> Context:
+        """The context after achieves that refined to nothing."""
+        held = tuple(_wanted(chain) for chain in chains if _holds_on(chain))
+        shared = self.machine.shared
+        return shared.context(context.application, context.values, context.held + held)
+
+    def _options(
+        self, point: Point, frame: Frame, waiting: frozenset[int] = frozenset()
+    ) -> Iterator[Point]:
         context, shared = point.context, self.machine.shared
         assert context is not None
-        for op, values, left in _steps(frame.second):
+        yield from self._next(point, frame, context, waiting)
+        chains: Chains = frame.second
+        for index, chain in enumerate(chains):
+            if chain.was_true and index not in waiting:  # it refined to nothing when it was
+                self.machine.counters.nodes += 1
+                others = chains[:index] + chains[index + 1 :]
+                rest = shared.frame(Kind.UNORDERED, frame.next, frame.first, others, frame.third)
+                yield point.at(rest, self._holding(context, (chain,)))
+
+    def _next(
+        self, point: Point, frame: Frame, context: Context, waiting: frozenset[int]
+    ) -> Iterator[Point]:
+        shared = self.machine.shared
+        for op, values, left in _steps(frame.second, waiting):
             own = shared.context(context.application, values, context.held)
             done = shared.frame(Kind.PART_DONE, frame.next, frame.first, left, frame.third)
             yield point.at(shared.frame(Kind.BLOCK, done, (op,), 0), own)
@@ -147,10 +207,35 @@ def _settled(values: Environment, rest: Block, *, is_last: bool = False) -> Chai
     return None
 
 
-def _steps(chains: Chains) -> Iterator[tuple[Op, Environment, Chains]]:
-    """Each statement that may come next, its variables, and the chains without it."""
+def _is_achieve(chain: Chain) -> bool:
+    """Whether all that is left of a chain is an achieve."""
+    return not chain.group and len(chain.rest) == 1 and isinstance(chain.rest[0], AchieveOp)
+
+
+def _wanted(chain: Chain) -> tuple[Test, Environment]:
+    """What such a chain achieves."""
+    (op,) = chain.rest
+    assert isinstance(op, AchieveOp)
+    assert chain.values is not None
+    return op.test, chain.values
+
+
+def _holds_on(chain: Chain) -> bool:
+    (op,) = chain.rest
+    return isinstance(op, AchieveOp) and op.is_held
+
+
+def _steps(
+    chains: Chains, waiting: frozenset[int] = frozenset()
+) -> Iterator[tuple[Op, Environment, Chains]]:
+    """Each statement that may come next, its variables, and the chains without it.
+
+    Those that are `waiting` do not come next.
+    """
     # The chain whose `commit` comes last, last: its beginning is not to be undone by the others.
     for index, chain in sorted(enumerate(chains), key=lambda pair: pair[1].is_last):
+        if index in waiting:
+            continue
         before, after = chains[:index], chains[index + 1 :]
         for op, values, left in _heads(chain):
             rest = before + after if left is None else (*before, left, *after)

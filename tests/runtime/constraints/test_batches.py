@@ -16,8 +16,11 @@ from crow.functions import function, generator
 
 DOMAIN = """
 typedef pose: vector[float64, 2]
+typedef path: pyobject
 def free(p: pose, r: float64) -> bool
 def slow(p: pose) -> bool
+def road() -> path
+def off(p: pose, t: path) -> bool
 def cost(p: pose) -> float64
 generator gen_free(p, r):
   goal: free(p, r)
@@ -63,6 +66,23 @@ def test_a_thousand_candidates_are_tested_in_one_call() -> None:
     told = solver.source.statistics()["gen_free"]
     assert told["yielded"] >= 1_000
     assert sum(told["rejected"].values()) > 900
+
+
+@pytest.mark.parametrize("road", [(1.0, 2.0), ((0.0, 1.0), (2.0, 3.0)), [4.0]])
+def test_opaque_values_are_columns_of_what_they_are(road: Any) -> None:
+    seen = []
+
+    @function(vectorized=True)
+    def off(p: Any, t: Any) -> Any:
+        seen.append(len(p))
+        assert t.shape == (len(p),)
+        assert all(one == road for one in t)
+        return p[:, 0] > 0
+
+    own = problem("free(p, r)\nr == 0\noff(p, road())", 100, off=off, road=lambda: road)
+    solution = own.checked(next(own.solver().solutions(own.store)))
+    assert solution["p"][0] > 0
+    assert seen[0] == 100
 
 
 def test_the_limit_counts_candidates() -> None:

@@ -200,6 +200,22 @@ def test_objects_and_numbers_of_a_vectorized_function_are_columns() -> None:
     assert function.values({}, [("a", 3), ("b", 3)]) == [3.0, 6.0]
 
 
+def test_opaque_values_of_a_vectorized_function_stay_what_they_are() -> None:
+    seen: list[Any] = []
+
+    @crow.function(vectorized=True)
+    def both(b: Any, s: Any, q: Any) -> Any:
+        seen.extend([s.shape, q.shape, *q])
+        return [True] * len(q)
+
+    function = problem({"both": both}).world.externals.functions["both"]
+    paths = [((0.0, 1.0), (2.0, 3.0)), (4.0, 5.0)]
+    for path in paths:
+        function.values({}, [("a", (0.0, 0.0), path)] * 2)
+        function.values({}, [("b", (0.0, 0.0), path), ("a", (1.0, 1.0), path)])
+    assert [one for one in seen if one not in paths] == [(1, 2), (1,), (2, 2), (2,)] * 2
+
+
 def test_a_vectorized_function_may_read_the_state() -> None:
     @crow.function(vectorized=True)
     def free(state: Any, b: Any) -> Any:

@@ -320,6 +320,26 @@ def test_engines_of_objects_say_that_they_draw_no_values(loads: Loads, engine: s
 # ----------------------------------------------------------------------------------- randomness
 
 
+def test_a_value_is_one_of_its_variable(loads: Loads) -> None:
+    """2.5 is no whole number, whatever else is true of it."""
+    text = f"""{LINE}
+behavior finish(o: Thing):
+  goal: done(o)
+  body:
+    bind n: int64 where: shelf(n)
+    do go(o, n)
+  eff:
+    done[o] = True
+"""
+
+    @crow.generator("shelves", complete=True)
+    def some() -> Iterator[float]:
+        yield from (2.5, 3.0)
+
+    plan = planned(loads(text, "done(a)", {"shelf": lambda _: True, "shelves": some}, START))
+    assert arguments(plan) == [("a", 3)]
+
+
 def test_the_same_seed_gives_the_same_plan(loads: Loads) -> None:
     @crow.generator("shelves")
     def drawn(*, rng: Any) -> Iterator[float]:

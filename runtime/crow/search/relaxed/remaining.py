@@ -159,11 +159,13 @@ class Remaining:
                     self._test(left, test, values)
 
     def _chains(self, left: Left, chains: Any, context: Context | None) -> None:
-        for values, group, rest, _ in chains:
-            self._chains(left, group, context)
-            own = values if values is not None else context.values if context else None
+        for chain in chains:
+            self._chains(left, chain.group, context)
+            own = chain.values
+            if own is None and context is not None:
+                own = context.values
             if own is not None:
-                self._block(left, rest, own)
+                self._block(left, chain.rest, own)
 
     # ------------------------------------------------------------------------------------ members
 
