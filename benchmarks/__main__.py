@@ -9,7 +9,7 @@ from pathlib import Path
 # In the order of the table in docs/reference/benchmarks.md; each module has `run(quick) -> Table`.
 NAMES = (
     "start", "parse", "size", "imports", "unroll", "sussman", "random", "reverse", "serial",
-    "objects", "thm1", "thm2", "commit", "namo", "rooms", "csp", "sat", "tamp",
+    "objects", "thm1", "thm2", "commit", "namo", "rooms", "csp", "sat", "tamp", "many", "race",
 )  # fmt: skip
 RESULTS = Path(__file__).parent / "results"
 

@@ -9,12 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from cdlc import driver
+from cdlc.commands.bench import bench
 from cdlc.commands.crosscheck import crosscheck
 from cdlc.commands.graph import graph
 from cdlc.commands.plan import plan
 from cdlc.commands.planning import engines, simulate, validate
 from cdlc.commands.programs import check, compile_, explain, fmt, import_, verify
-from cdlc.commands.shared import INPUT_ERRORS, INTERRUPTED, report
+from cdlc.commands.report import report
+from cdlc.commands.shared import INPUT_ERRORS, INTERRUPTED
+from cdlc.commands.shared import report as show
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -25,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status: int = options.run(options)
         sys.stdout.flush()
     except driver.CompileError as error:
-        report(options, error.diagnostics, error.sources)
+        show(options, error.diagnostics, error.sources)
         return INPUT_ERRORS
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -87,6 +90,13 @@ def _parser() -> argparse.ArgumentParser:
     drawer.add_argument(
         "-o", dest="output", type=Path, metavar="FILE", required=True, help="FILE.svg or FILE.png"
     )
+    _bench_arguments(_command(commands, "bench", bench, "solve many problems, and record each"))
+    reporter = _command(commands, "report", report, "make tables and charts of recorded runs")
+    reporter.add_argument("files", nargs="+", metavar="RESULTS", help="files of `bench --out`")
+    reporter.add_argument(
+        "-o", dest="output", type=Path, metavar="DIR", help="write charts and a page there"
+    )
+    _format(reporter)
     lister = _command(commands, "engines", engines, "list planners, and which fit a domain")
     lister.add_argument("files", nargs="*", metavar="FILE", help="[DOMAIN] [PROBLEM]")
     _format(lister)
@@ -217,6 +227,47 @@ def _plan_arguments(command: argparse.ArgumentParser) -> None:
         "--trace", type=Path, metavar="FILE.html",
         help="write a page that shows how the goal was refined, each state, and what failed",
     )  # fmt: skip
+
+
+def _bench_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "suites",
+        nargs="+",
+        metavar="SUITE",
+        help="problems, a folder or glob of them, or a TOML file",
+    )
+    command.add_argument(
+        "--jobs", type=_positive(int), metavar="N", help="processes on this machine; default: 1"
+    )
+    command.add_argument(
+        "--ray", metavar="ADDRESS",
+        help="a Ray cluster: host:port, 'auto' for the one this machine belongs to, or 'local'",
+    )  # fmt: skip
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE.jsonl",
+        help="append records there, not to standard output",
+    )
+    command.add_argument(
+        "--resume", action="store_true", help="go on with the file: what it has is not done again"
+    )
+    command.add_argument(
+        "--engine", action="append", default=[], metavar="NAME",
+        help="an engine of the runtime, more than once for several; default: auto, or the suite's",
+    )  # fmt: skip
+    command.add_argument(
+        "--seeds", type=_positive(int), metavar="N", help="seeds 0 to N - 1; default: 0"
+    )
+    command.add_argument(
+        "--time-limit", type=_positive(float), metavar="S", help="seconds for each run"
+    )
+    command.add_argument("--node-limit", type=_positive(int), metavar="N", help="nodes of each run")
+    command.add_argument(
+        "--draw-limit", type=_positive(int), metavar="N", help="draws of a generator call"
+    )
+    command.add_argument("--max-memory", type=_positive(int), metavar="MB", help="of each run")
+    _functions(command)
 
 
 def _verify_arguments(command: argparse.ArgumentParser) -> None:

@@ -3,6 +3,7 @@
 import inspect
 
 import cdlc.backends.errors
+import cdlc.bench.errors
 import cdlc.ir.errors
 import cdlc.plans.errors
 import cdlc.verify.errors  # noqa: F401 - the modules register their kinds

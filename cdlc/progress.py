@@ -1,10 +1,11 @@
-"""One live line on a terminal while a search runs."""
+"""One live line on a terminal while a search runs, or many."""
 
 import os
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self, TextIO
 
 if TYPE_CHECKING:
+    import rich.progress
     from rich.live import Live
 
 _FIRST_SECONDS = 0.3
@@ -19,12 +20,7 @@ class Progress:
 
     def __init__(self, stream: TextIO, *, is_wanted: bool) -> None:
         self.stream = stream
-        self.is_wanted = (
-            is_wanted
-            and stream.isatty()
-            and not os.environ.get("NO_COLOR")
-            and os.environ.get("TERM") != "dumb"
-        )
+        self.is_wanted = is_wanted and is_live(stream)
         self.started = monotonic()
         self.statistics: dict[str, Any] = {}
         self.live: Live | None = None
@@ -74,3 +70,55 @@ def line_text(statistics: dict[str, Any], seconds: float) -> str:
     if "turn" in statistics:
         parts.append(f"turn {statistics['turn']}")
     return f"searching: {', '.join(parts)}, {seconds:.1f} s"
+
+
+class Bar:
+    """A bar of how many runs are done, on a terminal; nothing elsewhere.
+
+    A context manager: however it is left, the terminal is as it was.
+    """
+
+    def __init__(self, stream: TextIO, total: int) -> None:
+        self.stream = stream
+        self.total = total
+        self.live: rich.progress.Progress | None = None
+
+    def __enter__(self) -> Self:
+        if is_live(self.stream):
+            self._start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.live is not None:
+            self.live.stop()
+
+    def show(self, done: int, told: str) -> None:
+        """Show how many are done, and what is told of them."""
+        if self.live is not None:
+            self.live.update(self.live.task_ids[0], completed=done, told=told)
+
+    def _start(self) -> None:
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        self.live = Progress(
+            BarColumn(20), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
+            TextColumn("{task.fields[told]}", markup=False),
+            console=Console(file=self.stream), transient=True, refresh_per_second=8,
+            redirect_stdout=False, redirect_stderr=False,
+        )  # fmt: skip
+        self.live.add_task("", total=self.total, told="")
+        self.live.start()
+
+
+def is_live(stream: TextIO) -> bool:
+    """Whether what is written to a stream may be written over."""
+    is_wanted = not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    return stream.isatty() and is_wanted

@@ -73,12 +73,12 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
     "cdlc.plans": ("cdlc.plans", "cdlc.backends", "cdlc.ir", "cdlc.frontend"),
     "cdlc.verify": ("cdlc.verify", "cdlc.ir"),
     "cdlc.view": ("cdlc.view", "cdlc.ir"),
-    "cdlc.limits": (),
     "cdlc.progress": (),
     "cdlc.editors": ("cdlc.editors", "cdlc.frontend"),
     "cdlc.engines": ("cdlc.backends",),
     "cdlc.driver": ("cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
     "cdlc.library": ("cdlc.driver", "cdlc.frontend", "cdlc.ir", "cdlc.backends", "cdlc.plans"),
+    "cdlc.bench": ("cdlc.bench", "cdlc.driver", "cdlc.frontend", "cdlc.view"),
     "cdlc.crosscheck": (
         "cdlc.crosscheck",
         "cdlc.driver",
@@ -94,6 +94,7 @@ MAY_IMPORT: Mapping[str, tuple[str, ...]] = {
 THIRD_PARTY: Mapping[str, tuple[str, ...]] = {
     "lark": ("cdlc.frontend",),
     "pygments": ("cdlc.editors",),
+    "ray": ("crow.many.cluster",),
     "rich": ("cdlc.progress",),
     "matplotlib": ("cdlc.view",),
     "networkx": ("cdlc.view",),

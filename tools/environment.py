@@ -1,6 +1,6 @@
 """Make the project's virtual environment, `.venv`, or bring it up to date.
 
-    python3 tools/environment.py planners verify view examples physics bench dev
+    python3 tools/environment.py planners verify view examples physics ray bench dev
 
 installs the project editable, with the extras named, at the versions in constraints.txt. What the
 environment was made from is written into it as a stamp, so running this again costs nothing until

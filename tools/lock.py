@@ -10,7 +10,7 @@ from pathlib import Path
 
 import environment
 
-EXTRAS = "planners,verify,view,examples,physics,bench,dev"
+EXTRAS = "planners,verify,view,examples,physics,ray,bench,dev"
 HEADER = f"""\
 # The exact versions installed by the extras {EXTRAS}; tools/environment.py passes them to pip.
 # Written by `python3 tools/lock.py`: change the ranges in pyproject.toml and run that.

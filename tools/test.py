@@ -11,7 +11,9 @@ def main(arguments: list[str]) -> int:
 
     Without arguments the whole suite runs, on all cores.
     """
-    status = environment.main(["planners", "verify", "view", "examples", "physics", "bench", "dev"])
+    status = environment.main(
+        ["planners", "verify", "view", "examples", "physics", "ray", "bench", "dev"]
+    )
     if status == 0:
         python = environment.python_of(environment.ROOT / ".venv")
         os.chdir(environment.ROOT)

@@ -3,5 +3,7 @@
 programs    check, compile, verify, fmt, import, explain
 planning    plan, validate, simulate, engines
 crosscheck  crosscheck
+bench       bench
+report      report
 shared      exit statuses, diagnostics, what several of them need
 """

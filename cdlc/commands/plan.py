@@ -46,7 +46,7 @@ def plan(options: argparse.Namespace) -> int:
 
 def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation) -> int:
     """Plan with the runtime; statistics go to standard error, also when it is interrupted."""
-    from cdlc.limits import limited_memory
+    from crow.limits import limited_memory
     from crow.results import OutOfMemory
 
     memory: AbstractContextManager[None] = nullcontext()
@@ -66,8 +66,8 @@ def _plan_natively(options: argparse.Namespace, compilation: driver.Compilation)
 def _searched(
     options: argparse.Namespace, compilation: driver.Compilation
 ) -> "tuple[Planning, Result]":
-    from cdlc.limits import timer
     from cdlc.progress import Progress
+    from crow.limits import timer
     from crow.planning import Planning
 
     problem = compilation.plannable_by(options.engine)

@@ -1,6 +1,7 @@
-"""A graph as a picture, SVG with text as text, or PNG. Only this file imports matplotlib."""
+"""A graph as a picture, SVG with text as text, or PNG. Pictures are made here and in `charts`."""
 
 import io
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any, Final
 
@@ -48,16 +49,23 @@ def require() -> None:
 
 def picture(graph: Graph, title: str, format_: str) -> bytes:
     """The picture of a graph in one of FORMATS. The same graph gives the same bytes."""
+    layout = layout_of(graph)
+    return encoded(lambda: _figure(graph, layout, title), title, format_, family="DejaVu Sans Mono")
+
+
+def encoded(
+    figure_of: Callable[[], Any], title: str, format_: str, family: str = "DejaVu Sans"
+) -> bytes:
+    """A figure as a picture in one of FORMATS; it is made by `figure_of`, under our settings."""
     import matplotlib
 
-    layout = layout_of(graph)
     # Text stays text; names of parts do not depend on when and where it is drawn.
     settings: Any = {
-        "svg.fonttype": "none", "svg.hashsalt": "cdlc", "font.family": "DejaVu Sans Mono",
+        "svg.fonttype": "none", "svg.hashsalt": "cdlc", "font.family": family,
         "text.parse_math": False,
     }  # fmt: skip
     with matplotlib.rc_context(settings):
-        figure = _figure(graph, layout, title)
+        figure = figure_of()
         stream = io.BytesIO()
         metadata = {"Date": None, "Title": title} if format_ == "svg" else {"Title": title}
         figure.savefig(stream, format=format_, dpi=_PNG_DOTS, facecolor=_PAPER, metadata=metadata)

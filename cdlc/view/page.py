@@ -18,7 +18,7 @@ from crow.refinement import Failure, Kind, Node, Refinement
 _MOST_LINES = 6
 _MOST_CHANGES = 4
 # Nothing is to be fetched from anywhere, whatever the names in a program are.
-_POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 _PREFIXES = {
     Kind.GOAL: "goal",
     Kind.ACHIEVE: "achieve",
@@ -52,7 +52,7 @@ def page(search: Search) -> str:
     return "".join(
         (
             '<!doctype html>\n<html lang="en">\n<meta charset="utf-8">\n',
-            f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n',
+            f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n',
             '<meta name="viewport" content="width=device-width">\n',
             '<link rel="icon" href="data:,">\n',
             f"<title>{escape(search.problem.name)}: {escape(_headline(search.result))}</title>\n",

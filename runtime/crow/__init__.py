@@ -20,6 +20,13 @@ if TYPE_CHECKING:
     from crow.domain import Domain, load, load_problem
     from crow.execution import Environment, Execution, execute
     from crow.functions import FunctionsError, controller, effect, function, generator
+    from crow.many.cluster import Ray
+    from crow.many.executors import InProcess
+    from crow.many.processes import Processes, WorkersError
+    from crow.many.racing import Race, race
+    from crow.many.records import Fault, Record
+    from crow.many.solving import solve_many
+    from crow.many.tasks import Configuration, Task
     from crow.plan import Result, Step
     from crow.planning import NotPlannable
     from crow.policy import ControllerCall, Done, Policy, Stuck
@@ -35,6 +42,17 @@ __all__ = [
     "load",
     "load_problem",
     "Domain",
+    "solve_many",
+    "race",
+    "Configuration",
+    "Task",
+    "Record",
+    "Fault",
+    "Race",
+    "InProcess",
+    "Processes",
+    "Ray",
+    "WorkersError",
     "execute",
     "Policy",
     "ControllerCall",
@@ -73,6 +91,13 @@ _PLACES = {
     **dict.fromkeys(("Policy", "ControllerCall", "Done", "Stuck"), "crow.policy"),
     **dict.fromkeys(("execute", "Environment", "Execution"), "crow.execution"),
     "NotPlannable": "crow.planning",
+    "solve_many": "crow.many.solving",
+    **dict.fromkeys(("race", "Race"), "crow.many.racing"),
+    **dict.fromkeys(("Configuration", "Task"), "crow.many.tasks"),
+    **dict.fromkeys(("Fault", "Record"), "crow.many.records"),
+    "InProcess": "crow.many.executors",
+    **dict.fromkeys(("Processes", "WorkersError"), "crow.many.processes"),
+    "Ray": "crow.many.cluster",
     **dict.fromkeys(("Domain", "load", "load_problem"), "crow.domain"),
     **dict.fromkeys(
         ("function", "generator", "effect", "controller", "FunctionsError"), "crow.functions"

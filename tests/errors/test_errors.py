@@ -12,6 +12,7 @@ from checking import Checked
 from conftest import Golden
 
 import cdlc.backends.errors
+import cdlc.bench.errors
 import cdlc.ir.errors
 import cdlc.plans.errors
 import cdlc.verify.errors  # noqa: F401 - for its kinds
@@ -53,6 +54,10 @@ ELSEWHERE = {
     "not-plannable": "test_cli.py",
     "function-failed": "backends/test_functions.py",
     "wrong-function": "backends/test_functions.py",
+    "bad-suite": "bench/test_suites.py",
+    "no-problems": "bench/test_suites.py",
+    "bad-results": "bench/test_report.py",
+    "other-suite": "bench/test_bench_command.py",
     "pddl-syntax": "frontend/pddl/test_import.py",
     "pddl-name": "frontend/pddl/test_import.py",
     "pddl-unsupported": "frontend/pddl/test_import.py",

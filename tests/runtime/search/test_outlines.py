@@ -117,3 +117,11 @@ def test_the_order_of_goals_makes_no_difference_to_a_tower_turned_over() -> None
     assert [len(result.steps) for result in results] == [30, 30]
     few, many = sorted(result.statistics["nodes"] for result in results)
     assert many <= 1.5 * few
+
+
+def test_a_choice_of_a_called_behavior_is_not_that_of_the_operator() -> None:
+    """`stack_blocks` calls `arrange`, which chooses in its turn, with other variables."""
+    problem = example("blocks/stacking_sussman")
+    result = crow.plan(problem, "best", time_limit=60)
+    assert isinstance(result, crow.Plan)
+    assert replay_to_goal(problem, result.trace).is_sound

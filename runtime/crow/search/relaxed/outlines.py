@@ -14,7 +14,7 @@ from crow.search.points import Choice, Point
 from crow.search.relaxed.costs import Costs, costs, relaxed_plan
 from crow.search.relaxed.facts import CellFact, Operator
 from crow.search.relaxed.guide import EARLY, Guiding
-from crow.search.relaxed.links import Links, Outline
+from crow.search.relaxed.links import Links, Outline, applied
 from crow.search.relaxed.remaining import agrees
 from crow.search.states import Snapshot
 
@@ -234,5 +234,8 @@ def _is_own(point: Point, choice: Choice, operator: Operator) -> bool:
     """Whether an option only chooses objects, and as the operator does."""
     before, after = choice.point.context, point.context
     if before is None or after is None or before.application is not after.application:
+        return False
+    own = after.application
+    if (own.code, own.arguments) != applied(operator):  # of a behavior that this one calls
         return False
     return agrees(operator.values, after.values)

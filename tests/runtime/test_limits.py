@@ -9,8 +9,8 @@ import time
 
 import pytest
 
-from cdlc.limits import limited_memory, timer
 from crow.budget import Budget, Stopped
+from crow.limits import limited_memory, timer
 
 
 def spin() -> None:
@@ -60,7 +60,7 @@ def test_one_large_allocation_fails() -> None:
     assert len(small) == 1 << 20
     assert resource.getrlimit(resource.RLIMIT_DATA) == before
     script = (
-        "from cdlc.limits import limited_memory\n"
+        "from crow.limits import limited_memory\n"
         "with limited_memory(200):\n"
         "    fits = bytearray(100 << 20)\n"
         "    try:\n"
