@@ -13,8 +13,13 @@ from cdlc.crosscheck import Outcome, Settings
 if not {"fast-downward", "kairos"} <= set(installed()):
     pytest.skip("needs the extra `planners`", allow_module_level=True)
 
+# They choose poses and paths, with functions in Python: no PDDL says that.
+OF_VALUES = {"namo", "pickplace", "tabletop"}
 PROBLEMS = sorted(
-    f for f in EXAMPLES.rglob("*.cdl") if re.search('^problem "', f.read_text(), re.MULTILINE)
+    f
+    for f in EXAMPLES.rglob("*.cdl")
+    if f.parent.name not in OF_VALUES
+    if re.search('^problem "', f.read_text("utf-8"), re.MULTILINE)
 )
 OTHERS = [
     (BLOCKS / f"{domain}.cdl", BLOCKS / f"{problem}.cdl")
@@ -47,4 +52,5 @@ def test_examples_agree(case: str) -> None:
 
 def test_every_example_has_a_problem() -> None:
     assert len(CASES) >= 14
-    assert {path.parent for path in PROBLEMS} == set(EXAMPLES.iterdir())
+    folders = {path.parent.name for path in EXAMPLES.glob("*/*.cdl")}
+    assert {path.parent.name for path in PROBLEMS} == folders - OF_VALUES

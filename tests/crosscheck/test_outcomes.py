@@ -92,7 +92,7 @@ def test_a_side_that_stopped_is_named_with_its_limit(settings: Settings, reason:
     ("domain", "reason"),
     [
         (SILENT, "`knock`, which `greet` runs and no effect describes, has no PDDL ("),
-        (VALUES, "planning does not cover `bind n` of type `int64` in this version ("),
+        (VALUES, "a `bind` of type `int64` has no Hoare model in this version ("),
     ],
 )
 def test_what_one_side_has_no_form_for_is_not_comparable(
