@@ -7,7 +7,7 @@ understood is still checked.
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from lark import Token, UnexpectedToken
 
@@ -22,6 +22,8 @@ from cdlc.source import SourceFile, Span
 MAX_LINE = 1_000_000
 # A text with more mistakes in one definition is no CDL; the rest would only bury them.
 MAX_MISTAKES = 20
+# And in a file; from then on, one mistake of each statement is told.
+MANY_MISTAKES = 1_000
 
 _CONTINUATIONS = frozenset(("ELIF", "ELSE"))
 _SECTION_BLOCKS = frozenset(("BODY", "EFF", "INIT"))
@@ -94,7 +96,18 @@ def _accepted(start: str, stream: list[tuple[Token, Line]]) -> frozenset[str]:
     parser = _parser(start)
     for token, _line in stream:
         parser.feed_token(token)
-    return frozenset(parser.accepts())
+    # What may follow is decided by the states, and trying each word takes a millisecond.
+    states = (start, *parser.parser_state.state_stack)
+    found = _KNOWN.get(states)
+    if found is None:
+        if len(_KNOWN) >= _MOST_KNOWN:
+            _KNOWN.clear()
+        found = _KNOWN[states] = frozenset(parser.accepts())
+    return found
+
+
+_KNOWN: dict[tuple[object, ...], frozenset[str]] = {}
+_MOST_KNOWN: Final = 1_000
 
 
 class _Reader:
@@ -168,7 +181,8 @@ class _Reader:
 
     def _parse(self, lines: list[Line], start: str) -> Tree:
         """Read lines from a start symbol, as often as mistakes can be mended."""
-        for _ in range(MAX_MISTAKES):
+        is_buried = len(self.found.found) >= MANY_MISTAKES
+        for _ in range(1 if is_buried else MAX_MISTAKES):
             failed = self._attempt(lines, start)
             if not isinstance(failed, Unexpected):
                 return failed
