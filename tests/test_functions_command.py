@@ -144,10 +144,14 @@ def test_what_was_not_declared_to_be_read_is_an_error(folder: Path) -> None:
 
 
 def test_what_does_not_fit_is_told_before_anything_is_run(folder: Path) -> None:
-    wrong = PYTHON.replace("def free(state)", "def free()") + "@crow.function\ndef fre(): pass\n"
+    wrong = PYTHON.replace("def free(state)", "def fre(state)").replace(
+        "def heavy(b)", "def heavy()"
+    )
     ran = cdlc("plan", folder / "problem.cdl", *with_python(folder, wrong))
     assert ran.status == 1
-    assert "error[wrong-function]: `free` is called with the state and 0 values" in ran.err
+    assert "error[wrong-function]: `heavy` is called with 1 value" in ran.err
+    assert "error[wrong-function]: the program has no external function `fre`" in ran.err
+    assert "functions.py:" in ran.err
     assert "help: did you mean `free`?" in ran.err
     assert ran.err.count("error[") == 2
 

@@ -65,10 +65,21 @@ OTHERS = {
     # Calls under `if`, which have no formula.
     "stacking": "unknown",
     "stacking_sussman": "unknown",
+    # Trajectories that Python computes, which have no formula.
+    "direct": "unknown",
+    "waypoint": "unknown",
+    "interleaved": "unknown",
+    "easy": "unknown",
+    "medium": "unknown",
+    "hard": "unknown",
 }
 
 
-@pytest.mark.parametrize("file", sorted(EXAMPLES.rglob("*.cdl")), ids=lambda f: f.stem)
+# `shared.cdl` is verified with the programs that include it.
+PROGRAMS = sorted(f for f in EXAMPLES.rglob("*.cdl") if f.name != "shared.cdl")
+
+
+@pytest.mark.parametrize("file", PROGRAMS, ids=lambda f: f.stem)
 def test_examples_are_proved_save_for_the_misprint(file: Path) -> None:
     verdict = OTHERS.get(file.stem, "proved")
     found = document(file, status=STATUSES[verdict])
