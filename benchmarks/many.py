@@ -18,7 +18,6 @@ from time import perf_counter
 
 import cdlc
 import crow
-from benchmarks.plot import Plot
 from benchmarks.table import Figure, Table
 from benchmarks.towers import BLOCKS, names, on, random_towers
 from crow.budget import resident_mb
@@ -47,8 +46,7 @@ def run(quick: bool) -> Table:
         for executor, jobs in _EXECUTORS:
             if executor != "ray" or (_has_ray() and not quick):
                 rows.append(_row(work, executor, jobs, count))
-    plot = Plot("jobs", ("a second",), "problems a second", by="executor", scale="linear")
-    return Table("many", _COLUMNS, tuple(rows), _NOTE, (plot,))
+    return Table("many", _COLUMNS, tuple(rows), _NOTE)
 
 
 def _has_ray() -> bool:

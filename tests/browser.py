@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import subprocess
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -56,8 +57,9 @@ class Browser:
         feature = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.call("Emulation.setEmulatedMedia", features=[feature])
         self.call("Page.navigate", url=path.as_uri())
-        while (event := self._read()).get("method") != "Page.loadEventFired":
-            self._note(event)
+        there = f"document.readyState == 'complete' && location.href == '{path.as_uri()}'"
+        while not self.value(there):  # no event says so: that may be about the empty page
+            time.sleep(0.01)
 
     def value(self, expression: str) -> Any:
         """What an expression of JavaScript is in the page."""

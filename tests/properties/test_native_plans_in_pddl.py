@@ -119,7 +119,7 @@ def validated_plans(seed: int) -> int:
     if found.has_errors:
         return 0
     count = 0
-    for plan in islice(Planning(problem, node_limit=3_000, time_limit=20).plans(), 4):
+    for plan in islice(Planning(problem, node_limit=1_000, time_limit=20).plans(), 4):
         steps = to_pddl_plan(task, problem, plan)
         text = "".join(f"({' '.join((s.action, *s.arguments))})\n" for s in steps)
         report = kairos.validate_plan(task.domain, task.problem, kairos.parse_plan(text))

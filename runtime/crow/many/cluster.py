@@ -7,6 +7,7 @@ limits, deaths and hangs end in the same records, and none of them is Ray's.
 import atexit
 import logging
 from collections.abc import Collection, Mapping
+from time import monotonic
 from typing import Any, Final
 
 from crow.many.attempt import Outcome
@@ -21,6 +22,10 @@ _SECONDS_A_LOOK: Final = 0.05
 
 _TASKS_A_CORE: Final = 2
 """So many are submitted, so that no core waits for the driver."""
+
+
+_SECONDS_A_COUNT: Final = 1.0
+"""How long the number of cores is taken to be what it was: asking takes a millisecond."""
 
 
 class RayMissing(ImportError):  # noqa: N818 - about an installation
@@ -66,12 +71,16 @@ class Ray(Closing):
         self._parts: Recent[Any] = Recent()
         self._running: dict[Any, int] = {}
         self._ended: list[Finished] = []
+        self._cores = 0
+        self._counted_until = 0.0
 
     @property
     def room(self) -> int:
-        """As many tasks as keep the cluster's cores busy, as many as there are now."""
-        count = int(self._ray.cluster_resources().get("CPU", 0))
-        return max(1, _TASKS_A_CORE * count) - len(self._running)
+        """As many tasks as keep the cluster's cores busy, as many as there are by now."""
+        if monotonic() >= self._counted_until:
+            self._cores = int(self._ray.cluster_resources().get("CPU", 0))
+            self._counted_until = monotonic() + _SECONDS_A_COUNT
+        return max(1, _TASKS_A_CORE * self._cores) - len(self._running)
 
     def submit(self, number: int, task: Task) -> None:
         """Give a task to Ray."""

@@ -5,6 +5,7 @@ parent's runs before its children's, among the rest that of the member that comp
 """
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from crow.evaluate import EvaluationError
@@ -50,9 +51,8 @@ class Tailward:
                 raise AssertionError(block)
 
     def _options(self, point: Point, frame: Frame) -> Iterator[Point]:
-        for path, member in _last(frame.first):
-            left = replaced(self.shared, frame.first, path, None)
-            yield from _Last(self, point, frame, left).chosen(member.what, member)
+        for path, member in _last(frame.first, merges=self.machine.prunes):
+            yield from _Last(self, point, frame, path).chosen(member.what, member)
 
     def left_done(self, point: Point, frame: Frame) -> Step:
         """The L of a member has run; its M joins the others."""
@@ -84,13 +84,16 @@ class Tailward:
             yield point.at(frame, None)
 
 
-def _last(members: Members) -> Iterator[tuple[Path, Open]]:
-    """The members that may be the last one."""
+def _last(members: Members, *, merges: bool) -> Iterator[tuple[Path, Open]]:
+    """The members that may be the last one; `merges` takes equal chains of a group for one."""
     pending: list[tuple[Members, Path]] = [(members, ())]
     while pending:
         group, above = pending.pop()
         inner: list[tuple[Members, Path]] = []
+        chains = {chain: i for i, chain in reversed([*enumerate(group)])} if merges else {}
         for i, chain in enumerate(group):
+            if merges and chains[chain] != i:
+                continue
             here = (*above, (i, len(chain) - 1))
             member = chain[-1]
             if isinstance(member, Nested):
@@ -104,13 +107,18 @@ def _last(members: Members) -> Iterator[tuple[Path, Open]]:
 class _Last:
     """A member chosen as the last one, and the members that are left before it."""
 
-    def __init__(self, owner: Tailward, point: Point, frame: Frame, left: Members) -> None:
+    def __init__(self, owner: Tailward, point: Point, frame: Frame, path: Path) -> None:
         self.owner = owner
         self.machine = owner.machine
         self.shared = owner.shared
         self.point = point
         self.frame = frame
-        self.left = left
+        self.path = path
+
+    @cached_property
+    def left(self) -> Members:
+        """The other members: thousands perhaps, which nobody needs for one that is not wanted."""
+        return replaced(self.shared, self.frame.first, self.path, None)
 
     def _with(self, left: Members, *blocks: object) -> Point:
         pending = self.frame.second
