@@ -138,12 +138,14 @@ def shown(value: Value, type_: Type) -> str:
     """A value as CDL writes it."""
     if isinstance(type_, ObjectType):
         return str(value)
-    match value:
-        case bool() | int() | float():
+    match value, underlying(type_):
+        case ((bool() | int() | float()), _):
             return str(value)
-        case str():
+        case str(), _:
             return '"' + "".join(map(_escaped, value)) + '"'
-        case tuple():
+        case tuple(), VectorType(element=element) | ListType(element=element):
+            return "[" + ", ".join(shown(item, element) for item in value) + "]"
+        case tuple(), _:
             return "[" + ", ".join(str(item) for item in value) + "]"
         case _:
             return repr(value)

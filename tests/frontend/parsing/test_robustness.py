@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from checking import Checked, check_file, check_text
 
 from cdlc.driver import CompileError, compilation
 from cdlc.frontend import facts, loader
+from cdlc.frontend.parser import MANY_MISTAKES
 
 HEAD = "typedef T\nfeature f(x: T)\nfeature g(x: T) -> int64\ndef h(x: T) -> T\n"
 
@@ -345,3 +347,14 @@ def test_the_driver_raises_nothing_else(tmp_path: Path) -> None:
         done = compilation(["-"], read_standard_input=lambda data=data: data)
         with pytest.raises(CompileError):
             _ = done.checked
+
+
+def test_a_text_of_mistakes_has_some_for_each_definition() -> None:
+    """After many of them no more repairs are tried, and what is right is read all the same."""
+    wrong = "behavior b(x: T)\n  goal f(x)\n  body\n    pass\n"
+    text = f"typedef T\n{wrong * MANY_MISTAKES}feature f(x: T)\nfeature other(x: U)\n"
+    places = check_text(text).places
+    found = Counter((line - 2) // 4 for line, code in places if code == "missing-colon")
+    assert (found[0], found[MANY_MISTAKES - 1]) == (2, 1)
+    assert [found[number] for number in range(MANY_MISTAKES)].count(0) == 0
+    assert places[-1] == (4 * MANY_MISTAKES + 3, "unknown-type")
