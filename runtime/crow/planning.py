@@ -37,10 +37,18 @@ Found = tuple[tuple[Step, ...], Trace]
 
 
 class NotPlannable(ValueError):  # noqa: N818 - about the program, not about a failure
-    """The program needs what no engine here has; `location` is where it says so."""
+    """The program needs what the engine does not have; `location` is where it says so.
 
-    def __init__(self, construct: str, location: Location | None) -> None:
-        super().__init__(f"planning does not cover {construct}")
+    `engine` is None where no other has it either.
+    """
+
+    def __init__(self, construct: str, location: Location | None, engine: str | None) -> None:
+        super().__init__(
+            f"planning does not cover {construct}"
+            if engine is None
+            else f"the engine `{engine}` does not cover {construct};"
+            " `auto`, `iddfs` and `iw` draw values"
+        )
         self.construct = construct
         self.location = location
 
@@ -91,11 +99,10 @@ class Planning:
             raise ValueError(f"no engine `{engine}`; there are {', '.join(ENGINES)}")
         if h not in HEURISTICS:
             raise ValueError(f"no heuristic `{h}`; there are {', '.join(HEURISTICS)}")
-        missing = problem.world.unsupported
-        if missing is None and engine in OF_OBJECTS:
-            missing = problem.world.chosen_value
-        if missing is not None:
-            raise NotPlannable(missing.construct, missing.location)
+        if (missing := problem.world.unsupported) is not None:
+            raise NotPlannable(missing.construct, missing.location, None)
+        if engine in OF_OBJECTS and (missing := problem.world.chosen_value) is not None:
+            raise NotPlannable(missing.construct, missing.location, engine)
         self.problem = problem
         self.name = engine
         self.seed = seed
