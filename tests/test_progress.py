@@ -45,7 +45,7 @@ def test_ctrl_c_leaves_the_terminal_as_it_was(engine: str, tmp_path: Path) -> No
 
 def test_a_limit_and_an_error_leave_it_as_it_was(tmp_path: Path) -> None:
     hard = towers(tmp_path, 150)
-    ran = on_terminal("plan", hard, "--max-memory", "60", folder=tmp_path)
+    ran = on_terminal("plan", hard, "--max-memory", "45", folder=tmp_path)
     assert ran.status == 4
     assert is_unbroken(ran.shown)
     (tmp_path / "file").write_text("")

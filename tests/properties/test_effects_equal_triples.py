@@ -63,7 +63,7 @@ RELAXED = (HealthCheck.too_slow, HealthCheck.data_too_large)
 
 
 @given(blocks(PARAMETERS, 3), states(), LEVELS)
-@settings(max_examples=500, deadline=None, suppress_health_check=RELAXED)
+@settings(max_examples=300, deadline=None, suppress_health_check=RELAXED)
 def test_effects_equal_triples(effect: tuple[Statement, ...], state: State, level: Level) -> None:
     compare(effect, state, WORLD, level)
 

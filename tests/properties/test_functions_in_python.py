@@ -118,9 +118,9 @@ def _read_through(node: Any) -> Any:
     return made
 
 
-@pytest.mark.parametrize("part", range(5))
+@pytest.mark.parametrize("part", range(3))
 def test_random_programs_that_read_through_python(part: int) -> None:
-    """250 programs to depth 2, with equal plans whichever way they read."""
+    """150 programs to depth 2, with equal plans whichever way they read."""
     solvable = compared = 0
     for seed in count(700_000 + 1_000 * part):
         small = small_program(seed)

