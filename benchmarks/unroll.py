@@ -35,7 +35,7 @@ def run(quick: bool) -> Table:
     for name, loop in _LOOPS.items():
         before: tuple[float, ...] | None = None
         for count in _COUNTS[: 2 if quick else None]:
-            figures = _measure(_HEAD.format(count=count) + loop)
+            figures = _measure(_HEAD.format(count=count) + loop, 1 if quick else 3)
             ratios = (
                 ("", "") if before is None else (figures[0] / before[0], figures[2] / before[2])
             )
@@ -53,7 +53,7 @@ def run(quick: bool) -> Table:
     return Table("unroll", columns, tuple(rows), note, plots)
 
 
-def _measure(text: str) -> tuple[int, int, float, float]:
+def _measure(text: str, times: int) -> tuple[int, int, float, float]:
     command = [sys.executable, "-m", "benchmarks.unroll"]
     runs = [
         json.loads(
@@ -61,7 +61,7 @@ def _measure(text: str) -> tuple[int, int, float, float]:
                 command, input=text, text=True, check=True, capture_output=True, cwd=_ROOT
             ).stdout
         )
-        for _ in range(3)
+        for _ in range(times)
     ]
     nodes, digits = runs[0][:2]
     return nodes, digits, min(run[2] for run in runs), min(run[3] for run in runs)

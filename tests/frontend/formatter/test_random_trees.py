@@ -9,7 +9,10 @@ from cdlc.frontend import syntax
 from cdlc.frontend.formatter import format_module, format_source
 from cdlc.source import SourceFile
 
-patient = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+patient = settings(
+    max_examples=settings().max_examples * 3 // 5,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
 
 NEVER_PRINTED = {syntax.Node, syntax.Annotated, syntax.ErrorExpression, syntax.ErrorStatement}
 

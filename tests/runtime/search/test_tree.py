@@ -142,7 +142,7 @@ def test_without_a_plan_the_farthest_branch_and_what_failed(engine: str) -> None
 def test_failures_are_bounded_by_the_program() -> None:
     problem = example("blocks/towers12")
     kinds = []
-    for limit in (2_000, 20_000):
+    for limit in (2_000, 10_000):
         planning = Planning(problem, "iddfs", node_limit=limit)
         planning.first()
         failures = planning.refinement().failures
