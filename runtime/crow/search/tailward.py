@@ -90,10 +90,11 @@ def _last(members: Members, *, merges: bool) -> Iterator[tuple[Path, Open]]:
     while pending:
         group, above = pending.pop()
         inner: list[tuple[Members, Path]] = []
-        chains = {chain: i for i, chain in reversed([*enumerate(group)])} if merges else {}
+        seen = set()
         for i, chain in enumerate(group):
-            if merges and chains[chain] != i:
+            if merges and chain in seen:
                 continue
+            seen.add(chain)
             here = (*above, (i, len(chain) - 1))
             member = chain[-1]
             if isinstance(member, Nested):
